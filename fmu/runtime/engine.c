@@ -1,0 +1,364 @@
+/* Semantics of a running block, the same as those of the NumPy engine that states them readably.
+ *
+ * Between events relations are frozen. At an event: due samples in the order of their rank, then relations and
+ * transitions until nothing changes. A communication step is cut at sample instants; each piece is integrated by
+ * classical RK4 in equal substeps no longer than step_size, each of which begins with an event. On the way out
+ * relations are evaluated once more, so that outputs belong to the state reached and to the inputs of the step;
+ * samples and transitions of that instant wait for the next step and its inputs.
+ */
+#include "engine.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_EVENT_ITERATIONS 20
+#define MAX_SUBSTEPS 1e9
+#define STEP_ROUNDING 1e-9    /* a step is cut into ceil(h/step_size - STEP_ROUNDING) substeps */
+#define INSTANT_ROUNDING 1e-6 /* a sample is due this part of its period early, against rounding in the master's time */
+
+#define VALUES(e) (e)->time, (e)->x, (e)->u, (e)->p, (e)->q, (e)->m, (e)->r
+
+static size_t doubles_saved(const Model *model)
+{
+    return 3 + (size_t)(model->nx + model->nq + model->nu + model->np);
+}
+
+Engine *engine_new(const Model *model, double step_size)
+{
+    const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
+    const size_t doubles = doubles_saved(model) + (size_t)model->ny + 5 * nx + 2 * nq + 1;
+    const size_t integers = (size_t)(2 * model->nm + model->nr) + 1;
+    Engine *engine = calloc(1, sizeof *engine);
+    double *store = calloc(doubles, sizeof *store);
+    long long *due = calloc(nq + 1, sizeof *due);
+    int *flags = calloc(integers, sizeof *flags);
+    if (engine) {
+        engine->model = model;
+        engine->backup = malloc(engine_state_size(engine));
+    }
+    if (!engine || !store || !due || !flags || !engine->backup) {
+        if (engine)
+            free(engine->backup);
+        free(engine);
+        free(store);
+        free(due);
+        free(flags);
+        return NULL;
+    }
+    engine->step_size = step_size;
+    engine->x = store;
+    engine->q = engine->x + nx;
+    engine->u = engine->q + nq;
+    engine->p = engine->u + model->nu;
+    engine->y = engine->p + model->np;
+    engine->work = engine->y + model->ny;
+    engine->due = due;
+    engine->m = flags;
+    engine->r = flags + 2 * model->nm;
+    engine->reason = "";
+    engine_reset(engine);
+    return engine;
+}
+
+void engine_free(Engine *engine)
+{
+    if (!engine)
+        return;
+    free(engine->x);
+    free(engine->due);
+    free(engine->m);
+    free(engine->backup);
+    free(engine);
+}
+
+size_t engine_state_size(const Engine *engine)
+{
+    const Model *model = engine->model;
+    return doubles_saved(model) * sizeof(double) + (size_t)model->nq * sizeof(long long) +
+           (size_t)(model->nm + model->nr) * sizeof(int);
+}
+
+static void copy(char **bytes, void *values, size_t size, int restore)
+{
+    if (restore)
+        memcpy(values, *bytes, size);
+    else
+        memcpy(*bytes, values, size);
+    *bytes += size;
+}
+
+static void transfer(Engine *engine, char *bytes, int restore)
+{
+    const Model *model = engine->model;
+    copy(&bytes, &engine->time, sizeof(double), restore);
+    copy(&bytes, &engine->start_time, sizeof(double), restore);
+    copy(&bytes, &engine->step_size, sizeof(double), restore);
+    copy(&bytes, engine->x, (size_t)(model->nx + model->nq + model->nu + model->np) * sizeof(double), restore);
+    copy(&bytes, engine->due, (size_t)model->nq * sizeof(long long), restore);
+    copy(&bytes, engine->m, (size_t)model->nm * sizeof(int), restore);
+    copy(&bytes, engine->r, (size_t)model->nr * sizeof(int), restore);
+}
+
+void engine_save(const Engine *engine, void *bytes)
+{
+    transfer((Engine *)engine, bytes, 0);
+}
+
+void engine_restore(Engine *engine, const void *bytes)
+{
+    transfer(engine, (char *)bytes, 1);
+}
+
+void engine_reset(Engine *engine)
+{
+    const Model *model = engine->model;
+    engine->time = engine->start_time = 0;
+    for (int i = 0; i < model->nx + model->nq; i++)
+        engine->x[i] = 0;
+    for (int i = 0; i < model->np; i++)
+        engine->p[i] = model->p_default[i];
+    for (int i = 0; i < model->nu; i++)
+        engine->u[i] = model->u_default[i];
+    for (int i = 0; i < model->nq; i++)
+        engine->due[i] = 0;
+    for (int i = 0; i < 2 * model->nm + model->nr; i++)
+        engine->m[i] = 0;
+}
+
+static int fail(Engine *engine, const char *variable, const char *problem)
+{
+    const Model *model = engine->model;
+    const int check = model->failure_check(VALUES(engine));
+    engine->reason = check < 0 ? "diverged" : model->check_names[check];
+    snprintf(engine->variable, sizeof engine->variable, "%s", variable);
+    snprintf(engine->message, sizeof engine->message, "%s: %s %s at t = %.9g s%s%s", model->name, variable, problem,
+             engine->time, check < 0 ? "" : ": ", check < 0 ? "" : model->check_messages[check]);
+    return ENGINE_FAILED;
+}
+
+int engine_start(Engine *engine, double start_time, int model_exchange)
+{
+    const Model *model = engine->model;
+    const int check = model->start_check(engine->p, model_exchange);
+    if (check >= 0) {
+        engine->reason = model->check_names[check];
+        engine->variable[0] = 0;
+        snprintf(engine->message, sizeof engine->message, "%s: %s", model->name, model->check_messages[check]);
+        return ENGINE_FAILED;
+    }
+    engine->time = engine->start_time = start_time;
+    model->start(engine->p, engine->x, engine->q);
+    for (int i = 0; i < model->nm; i++)
+        engine->m[i] = model->m_start[i];
+    for (int i = 0; i < model->nq; i++)
+        engine->due[i] = 0;
+    model->periods(engine->p, engine->work);
+    for (int i = 0; i < model->nq; i++)
+        if (!(engine->work[i] > 0 && isfinite(engine->work[i])))
+            return fail(engine, model->q_names[i], "has a period that is not positive and finite");
+    if (engine_event(engine) != ENGINE_OK)
+        return ENGINE_FAILED;
+    return engine_check_finite(engine);
+}
+
+void engine_relations(Engine *engine)
+{
+    if (engine->model->nr)
+        engine->model->relations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m, engine->r);
+}
+
+double engine_next_sample(const Engine *engine)
+{
+    const Model *model = engine->model;
+    double next = HUGE_VAL, *period = engine->work;
+    model->periods(engine->p, period);
+    for (int i = 0; i < model->nq; i++)
+        next = fmin(next, engine->start_time + (double)engine->due[i] * period[i]);
+    return next;
+}
+
+static void run_samples(Engine *engine)
+{
+    const Model *model = engine->model;
+    double *period = engine->work, *updated = period + model->nq;
+    model->periods(engine->p, period);
+    engine_relations(engine);
+    for (int rank = 0; rank < model->ranks; rank++) {
+        int changed = 0;
+        model->updates(VALUES(engine), updated);
+        for (int i = 0; i < model->nq; i++) {
+            const double instant = engine->start_time + (double)engine->due[i] * period[i];
+            if (model->q_rank[i] == rank && instant <= engine->time + INSTANT_ROUNDING * period[i]) {
+                engine->q[i] = updated[i];
+                engine->due[i]++;
+                changed = 1;
+            }
+        }
+        if (changed)
+            engine_relations(engine);
+    }
+}
+
+static int run_transitions(Engine *engine)
+{
+    const Model *model = engine->model;
+    double *x = engine->work, *q = x + model->nx;
+    int *m = engine->m + model->nm;
+    memcpy(x, engine->x, (size_t)(model->nx + model->nq) * sizeof *x);
+    memcpy(m, engine->m, (size_t)model->nm * sizeof *m);
+    if (!model->fire(VALUES(engine), x, q, m))
+        return 0;
+    memcpy(engine->x, x, (size_t)(model->nx + model->nq) * sizeof *x);
+    memcpy(engine->m, m, (size_t)model->nm * sizeof *m);
+    return 1;
+}
+
+int engine_event(Engine *engine)
+{
+    if (engine->model->nq)
+        run_samples(engine);
+    engine_relations(engine);
+    if (!engine->model->transitions)
+        return ENGINE_OK;
+    for (int i = 0; i < MAX_EVENT_ITERATIONS; i++) {
+        if (!run_transitions(engine))
+            return ENGINE_OK;
+        engine_relations(engine);
+    }
+    if (!run_transitions(engine))
+        return ENGINE_OK;
+    return fail(engine, "events", "do not end: transitions still fire after 20 iterations");
+}
+
+void engine_outputs(Engine *engine)
+{
+    engine->model->outputs(VALUES(engine), engine->y);
+}
+
+void engine_derivatives(Engine *engine, double *dx)
+{
+    engine->model->derivatives(VALUES(engine), dx);
+}
+
+void engine_indicators(Engine *engine, double *z)
+{
+    engine->model->indicators(VALUES(engine), z);
+}
+
+int engine_check_finite(Engine *engine)
+{
+    const Model *model = engine->model;
+    char name[128];
+    engine_outputs(engine);
+    for (int i = 0; i < model->ny; i++)
+        if (!isfinite(engine->y[i]))
+            return fail(engine, model->y_names[i], "is not finite");
+    engine_derivatives(engine, engine->work);
+    for (int i = 0; i < model->nx; i++)
+        if (!isfinite(engine->work[i])) {
+            snprintf(name, sizeof name, "der(%s)", model->x_names[i]);
+            return fail(engine, name, "is not finite");
+        }
+    return ENGINE_OK;
+}
+
+static int rk4_step(Engine *engine, double h)
+{
+    const Model *model = engine->model;
+    const int n = model->nx;
+    const double t = engine->time;
+    double *x = engine->x, *k1 = engine->work, *k2 = k1 + n, *k3 = k2 + n, *k4 = k3 + n, *stage = k4 + n;
+    const double *u = engine->u, *p = engine->p, *q = engine->q;
+    const int *m = engine->m, *r = engine->r;
+    model->derivatives(t, x, u, p, q, m, r, k1);
+    for (int i = 0; i < n; i++)
+        stage[i] = x[i] + 0.5 * h * k1[i];
+    model->derivatives(t + 0.5 * h, stage, u, p, q, m, r, k2);
+    for (int i = 0; i < n; i++)
+        stage[i] = x[i] + 0.5 * h * k2[i];
+    model->derivatives(t + 0.5 * h, stage, u, p, q, m, r, k3);
+    for (int i = 0; i < n; i++)
+        stage[i] = x[i] + h * k3[i];
+    model->derivatives(t + h, stage, u, p, q, m, r, k4);
+    for (int i = 0; i < n; i++)
+        stage[i] = x[i] + h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
+    for (int i = 0; i < n; i++)
+        if (!isfinite(stage[i]))
+            return fail(engine, model->x_names[i], "is not finite after the step");
+    memcpy(x, stage, (size_t)n * sizeof *x);
+    return ENGINE_OK;
+}
+
+static int integrate(Engine *engine, double stop)
+{
+    const double begin = engine->time, length = stop - begin;
+    const double needed = ceil(length / engine->step_size - STEP_ROUNDING);
+    const long count = needed < 1 ? 1 : (long)fmin(needed, MAX_SUBSTEPS);
+    const double size = length / (double)count;
+    if (!(needed <= MAX_SUBSTEPS))
+        return fail(engine, "step_size", "is too small: the step would take over a billion substeps");
+    for (long i = 0; i < count; i++) {
+        if (i && engine_event(engine) != ENGINE_OK)
+            return ENGINE_FAILED;
+        if (rk4_step(engine, size) != ENGINE_OK)
+            return ENGINE_FAILED;
+        engine->time = begin + (double)(i + 1) * size;
+    }
+    engine->time = stop;
+    return ENGINE_OK;
+}
+
+static int try_advance(Engine *engine, double stop)
+{
+    if (engine_event(engine) != ENGINE_OK)
+        return ENGINE_FAILED;
+    while (engine->time < stop) {
+        const double sample = engine_next_sample(engine);
+        const double until = sample < stop - INSTANT_ROUNDING * engine->step_size ? sample : stop;
+        if (integrate(engine, until) != ENGINE_OK)
+            return ENGINE_FAILED;
+        if (until < stop && engine_event(engine) != ENGINE_OK)
+            return ENGINE_FAILED;
+    }
+    engine_relations(engine);
+    return engine_check_finite(engine);
+}
+
+int engine_advance(Engine *engine, double length)
+{
+    engine_save(engine, engine->backup);
+    if (try_advance(engine, engine->time + length) == ENGINE_OK)
+        return ENGINE_OK;
+    engine_restore(engine, engine->backup);
+    return ENGINE_FAILED;
+}
+
+static void record(Engine *engine, double *row)
+{
+    const Model *model = engine->model;
+    engine_outputs(engine);
+    memcpy(row, engine->y, (size_t)model->ny * sizeof *row);
+    memcpy(row + model->ny, engine->x, (size_t)(model->nx + model->nq) * sizeof *row);
+    for (int i = 0; i < model->nm; i++)
+        row[model->ny + model->nx + model->nq + i] = engine->m[i];
+}
+
+long engine_run(Engine *engine, long n, double length, const double *inputs, double *rows)
+{
+    const Model *model = engine->model;
+    const int width = model->ny + model->nx + model->nq + model->nm;
+    const double begin = engine->time;
+    for (long i = 0; i <= n; i++) {
+        if (i && engine_advance(engine, length) != ENGINE_OK)
+            return i;
+        if (i)
+            engine->time = begin + (double)i * length;
+        memcpy(engine->u, inputs + i * model->nu, (size_t)model->nu * sizeof *inputs);
+        if (engine_event(engine) != ENGINE_OK)
+            return i;
+        record(engine, rows + i * width);
+    }
+    return n + 1;
+}

@@ -1,0 +1,58 @@
+/* A running instance of a model: events, RK4 and restoring after a failed step. See engine.c for the semantics. */
+#ifndef BRUNOVSKY_ENGINE_H
+#define BRUNOVSKY_ENGINE_H
+
+#include <stddef.h>
+
+#include "model.h"
+
+enum { ENGINE_OK = 0, ENGINE_FAILED = 1 };
+
+typedef struct {
+    const Model *model;
+    double time, start_time, step_size;
+    double *p, *u, *x, *q;
+    long long *due; /* number of the next sample of each sampled state */
+    int *m, *r;
+    double *y;      /* outputs, as engine_outputs left them */
+    double *work;
+    void *backup;
+    const char *reason; /* after a failure: name of the check that explains it, or "diverged" */
+    char variable[128]; /* after a failure: where it showed */
+    char message[512];  /* after a failure: what was wrong, where and when */
+} Engine;
+
+ENGINE_API Engine *engine_new(const Model *model, double step_size); /* NULL if out of memory */
+ENGINE_API void engine_free(Engine *engine);
+
+/* Defaults of parameters and inputs; before engine_start. */
+ENGINE_API void engine_reset(Engine *engine);
+
+/* Start values and the events of the first instant. Failed checks of parameters are ENGINE_FAILED as well. */
+ENGINE_API int engine_start(Engine *engine, double start_time, int model_exchange);
+
+/* Due samples, then relations and transitions until nothing changes. */
+ENGINE_API int engine_event(Engine *engine);
+ENGINE_API void engine_relations(Engine *engine);
+ENGINE_API double engine_next_sample(const Engine *engine); /* instant of the next sample; HUGE_VAL if there is none */
+
+/* One communication step with the inputs held; on failure the state from before it is restored. */
+ENGINE_API int engine_advance(Engine *engine, double length);
+
+ENGINE_API void engine_outputs(Engine *engine); /* into engine->y */
+ENGINE_API void engine_derivatives(Engine *engine, double *dx);
+ENGINE_API void engine_indicators(Engine *engine, double *z);
+
+/* ENGINE_FAILED if an output or a derivative is not finite. */
+ENGINE_API int engine_check_finite(Engine *engine);
+
+/* Rows of (outputs, states, samples, modes) at n + 1 instants, n steps of `length` apart; inputs: n + 1 rows.
+ * Returns the number of rows written: n + 1, or fewer if a step failed. */
+ENGINE_API long engine_run(Engine *engine, long n, double length, const double *inputs, double *rows);
+
+/* Everything that changes in a run, as plain bytes. */
+ENGINE_API size_t engine_state_size(const Engine *engine);
+ENGINE_API void engine_save(const Engine *engine, void *bytes);
+ENGINE_API void engine_restore(Engine *engine, const void *bytes);
+
+#endif

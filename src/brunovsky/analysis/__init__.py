@@ -1,0 +1,44 @@
+"""Linear and sliding-mode analysis of the Brunovsky chains, in python-control's own objects.
+
+`chains` holds the plants, `design` gains and surfaces, `margins` the linear loop, `sliding` the bounds of the
+switching law. Everything here works on gains and surfaces alone, for chains of any order.
+"""
+
+from brunovsky.analysis.chains import chain, chains, error_dynamics
+from brunovsky.analysis.design import (
+    boundary_layer_gain,
+    closed_loop_poles,
+    place,
+    sliding_gain,
+    surface_from_poles,
+    surface_poles,
+)
+from brunovsky.analysis.margins import Margins, lag_margin, loop_transfer, margins
+from brunovsky.analysis.sliding import (
+    forward_disturbance_bound,
+    matched_disturbance_bound,
+    reaching_time,
+    unmatched_residual,
+    yaw_disturbance_bound,
+)
+
+__all__ = [
+    "Margins",
+    "boundary_layer_gain",
+    "chain",
+    "chains",
+    "closed_loop_poles",
+    "error_dynamics",
+    "forward_disturbance_bound",
+    "lag_margin",
+    "loop_transfer",
+    "margins",
+    "matched_disturbance_bound",
+    "place",
+    "reaching_time",
+    "sliding_gain",
+    "surface_from_poles",
+    "surface_poles",
+    "unmatched_residual",
+    "yaw_disturbance_bound",
+]

@@ -1,0 +1,228 @@
+"""The noun of the package: a block, a frozen description that every target is derived from."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import sympy as sp
+
+from brunovsky.blocks.relations import RelationTable
+from brunovsky.blocks.units import unit_exponents
+from brunovsky.blocks.variables import (
+    NAME,
+    TIME,
+    Check,
+    Input,
+    Mode,
+    Output,
+    Parameter,
+    Relation,
+    Sample,
+    State,
+    Transition,
+    Variable,
+)
+from brunovsky.errors import ModelError, ParameterError
+
+_FROM_PARAMETERS = "parameters"
+
+
+@dataclass(frozen=True)
+class Block:
+    """Named variables and the SymPy expressions that connect them; not a running thing.
+
+    Switching functions in the expressions are converted into named relations at construction (those found are
+    appended to ``relations``), so that all targets freeze the same conditions. ``description`` is one line.
+
+    Parameters
+    ----------
+    name : str
+        Identifier, also of the FMU.
+    inputs, parameters, states, samples, modes, outputs : sequences of variables
+        The order of declaration is the order of value references.
+    relations, transitions, checks
+        Switching conditions, what happens at events, and what must hold.
+
+    Raises
+    ------
+    ModelError
+        If a name is illegal or used twice, a symbol unknown, a unit unreadable, or an expression cannot be frozen.
+    """
+
+    name: str
+    description: str = ""
+    inputs: tuple[Input, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+    states: tuple[State, ...] = ()
+    samples: tuple[Sample, ...] = ()
+    modes: tuple[Mode, ...] = ()
+    outputs: tuple[Output, ...] = ()
+    relations: tuple[Relation, ...] = ()
+    transitions: tuple[Transition, ...] = ()
+    checks: tuple[Check, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        """Freeze the sequences, lower the switching functions and check what is declared."""
+        for item in dataclasses.fields(Block):
+            value = getattr(self, item.name)
+            if not isinstance(value, str):
+                object.__setattr__(self, item.name, tuple(value))
+        self._check_names()
+        self._lower()
+        self._check_symbols()
+
+    def _check_names(self) -> None:
+        if not NAME.fullmatch(self.name) or "." in self.name or "[" in self.name:
+            raise ModelError(f"block name '{self.name}' is not an identifier")
+        if self.name == "time":
+            raise ModelError("a block cannot be called 'time', the name of the independent variable")
+        seen: dict[sp.Symbol, str] = {TIME: "time"}
+        carriers = {one.name for one in (*self.states, *self.samples, *self.modes)}
+        for variable in self.variables:
+            if isinstance(variable, Output) and variable.name in carriers and variable.expression == variable.symbol:
+                continue
+            if not NAME.fullmatch(variable.name) or variable.name == "time":
+                raise ModelError(f"{self.name}: '{variable.name}' is not a legal variable name; write it like 'eta[1]'")
+            if variable.symbol in seen:
+                raise ModelError(f"{self.name}: '{variable.name}' and '{seen[variable.symbol]}' share a name or symbol")
+            seen[variable.symbol] = variable.name
+            unit_exponents(variable.unit)
+
+    def _lower(self) -> None:
+        table = RelationTable(self.relations, [mode.symbol for mode in self.modes])
+
+        def lower(expression: object, what: str) -> sp.Basic:
+            return table.lower(sp.sympify(expression), f"{self.name}: {what}")
+
+        def replaced(items: Iterable[Variable], *attributes: str) -> tuple[Variable, ...]:
+            return tuple(
+                dataclasses.replace(
+                    item,
+                    **{name: lower(getattr(item, name), f"{name} of '{item.name}'") for name in attributes},  # type: ignore[arg-type]
+                )
+                for item in items
+            )
+
+        object.__setattr__(self, "states", replaced(self.states, "derivative", "start"))
+        object.__setattr__(self, "samples", replaced(self.samples, "update", "start", "period"))
+        object.__setattr__(self, "outputs", replaced(self.outputs, "expression"))
+        transitions = tuple(
+            Transition(
+                one.name,
+                lower(one.guard, f"guard of '{one.name}'"),
+                {target: lower(value, f"assignment of '{one.name}'") for target, value in one.assign.items()},
+            )
+            for one in self.transitions
+        )
+        object.__setattr__(self, "transitions", transitions)
+        object.__setattr__(self, "relations", tuple(table.relations))
+
+    def _check_symbols(self) -> None:
+        parameters = {parameter.symbol for parameter in self.parameters}
+        relations = {relation.symbol for relation in self.relations}
+        assignable = {item.symbol for item in (*self.states, *self.samples, *self.modes)}
+        outputs = {output.symbol for output in self.outputs} - assignable
+        everything = {variable.symbol for variable in self.variables} - outputs | relations | {TIME}
+        for what, expression, known in self._expressions():
+            unknown = expression.free_symbols - (parameters if known == _FROM_PARAMETERS else everything)
+            if unknown:
+                names = ", ".join(sorted(str(one) for one in unknown))
+                allowed = "parameters of the block" if known == _FROM_PARAMETERS else "variables of the block and time"
+                raise ModelError(f"{self.name}: {what} uses {names}; it may use only {allowed}")
+        for transition in self.transitions:
+            for target in set(transition.assign) - assignable:
+                raise ModelError(f"{self.name}: transition '{transition.name}' assigns {target}, not a state, sample or mode")
+
+    def _expressions(self) -> Iterable[tuple[str, sp.Basic, str]]:
+        for state in self.states:
+            yield f"derivative of '{state.name}'", state.derivative, ""
+            yield f"start of '{state.name}'", state.start, _FROM_PARAMETERS
+        for sample in self.samples:
+            yield f"update of '{sample.name}'", sample.update, ""
+            yield f"start of '{sample.name}'", sample.start, _FROM_PARAMETERS
+            yield f"period of '{sample.name}'", sample.period, _FROM_PARAMETERS
+        for output in self.outputs:
+            yield f"output '{output.name}'", output.expression, ""
+        for relation in self.relations:
+            yield f"relation '{relation.name}'", relation.expression, ""
+            yield f"indicator of '{relation.name}'", relation.indicator or relation.expression, ""
+        for transition in self.transitions:
+            yield f"guard of '{transition.name}'", transition.guard, ""
+            for target, value in transition.assign.items():
+                yield f"assignment of {target} in '{transition.name}'", value, ""
+        for check in self.checks:
+            yield f"check '{check.name}'", check.condition, "" if check.when == "failure" else _FROM_PARAMETERS
+
+    @cached_property
+    def variables(self) -> tuple[Variable, ...]:
+        """All variables: parameters, inputs, states, samples, modes, outputs, in order of declaration."""
+        return (*self.parameters, *self.inputs, *self.states, *self.samples, *self.modes, *self.outputs)
+
+    @cached_property
+    def indicators(self) -> tuple[sp.Expr, ...]:
+        """Functions whose zero crossings are state events: of the relations that can change between events, once each."""
+        fixed = {item.symbol for item in (*self.parameters, *self.modes, *self.samples)}
+        found: list[sp.Expr] = []
+        for relation in self.relations:
+            expression = relation.expression if relation.indicator is None else relation.indicator
+            if expression.free_symbols - fixed and not {expression, sp.expand(-expression)} & set(found):
+                found.append(expression)
+        return tuple(found)
+
+    @cached_property
+    def periods(self) -> tuple[sp.Expr, ...]:
+        """Distinct sample periods, in order of first use, s."""
+        return tuple(dict.fromkeys(sample.period for sample in self.samples))
+
+    def depends_on(self, expression: sp.Basic) -> frozenset[sp.Symbol]:
+        """Symbols an expression depends on, relations resolved into what they are evaluated from."""
+        behind = {relation.symbol: relation.expression for relation in self.relations}
+        found: set[sp.Symbol] = set()
+        pending = set(expression.free_symbols)
+        while pending:
+            one = pending.pop()
+            if one in behind:
+                pending |= behind[one].free_symbols
+            else:
+                found.add(one)
+        return frozenset(found)
+
+    @cached_property
+    def feedthrough(self) -> Mapping[str, frozenset[str]]:
+        """For each output the inputs it depends on without a state between."""
+        inputs = {one.symbol: one.name for one in self.inputs}
+        return {
+            output.name: frozenset(inputs[one] for one in self.depends_on(output.expression) if one in inputs)
+            for output in self.outputs
+        }
+
+    def parameter_values(self, values: Mapping[str, float] | None = None) -> dict[str, float]:
+        """Defaults with some values replaced, in order of declaration.
+
+        Raises
+        ------
+        ParameterError
+            For an unknown name, or a value that is not finite or out of range.
+        """
+        result = {parameter.name: parameter.value for parameter in self.parameters}
+        for name, value in (values or {}).items():
+            if name not in result:
+                raise ParameterError(f"{self.name} has no parameter '{name}'; it has {', '.join(result) or 'none'}")
+            result[name] = float(value)
+        for parameter in self.parameters:
+            value = result[parameter.name]
+            if not math.isfinite(value) or not parameter.minimum <= value <= parameter.maximum:
+                raise ParameterError(
+                    f"{self.name}: {parameter.name} = {value:g} {parameter.unit} is not a finite number "
+                    f"from {parameter.minimum:g} to {parameter.maximum:g}"
+                )
+        return result
+
+    def failed_checks(self, values: Mapping[str, float], *whens: str) -> list[Check]:
+        """Checks of the given kinds whose condition does not hold for these parameter values."""
+        numbers = {parameter.symbol: sp.Float(values[parameter.name]) for parameter in self.parameters}
+        return [one for one in self.checks if one.when in whens and one.condition.subs(numbers) == sp.false]

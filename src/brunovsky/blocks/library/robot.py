@@ -1,0 +1,87 @@
+"""Wheeled mobile robot of type (2, 0): the bare plant, and the plant with its linearising inner loop.
+
+Source: the posture model (9), the extension (13) and the chains (12) of the paper "Variable structure control for a
+wheeled mobile robot", with its misprints corrected (see the errata page of the documentation). The uncertainty
+(``rho``, ``d``) is this project's.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import sympy as sp
+
+from brunovsky.blocks.block import Block
+from brunovsky.blocks.diagram import Diagram
+from brunovsky.blocks.linearized import linearized_block, plant_block
+from brunovsky.blocks.variables import Parameter, Variable, symbols
+from brunovsky.linearization import AffineSystem, Linearization, linearize
+
+_VARIABLES = (
+    Variable("x", "m", "position of the centre of mass along x"),
+    Variable("y", "m", "position of the centre of mass along y"),
+    Variable("theta", "rad", "heading; the robot moves along (-sin theta, cos theta)"),
+    Variable("eta[1]", "m/s", "forward velocity"),
+    Variable("eta[2]", "rad/s", "yaw rate"),
+    Variable("u[1]", "m/s2", "forward acceleration"),
+    Variable("u[2]", "rad/s2", "yaw acceleration"),
+    Variable("d[1]", "m/s2", "disturbance of the forward acceleration"),
+    Variable("d[2]", "rad/s2", "disturbance of the yaw acceleration"),
+)
+_LABELS = {one.symbol: one for one in _VARIABLES}
+_RHO = (
+    Parameter("rho[1]", "1", "ratio of nominal to true mass", 1.0, 0.0, tunable=True),
+    Parameter("rho[2]", "1", "ratio of nominal to true inertia", 1.0, 0.0, tunable=True),
+)
+_ETA_MIN = Parameter("eta_min", "m/s", "abs(eta[1]) below which 1/eta[1] is regularised", 0.05, 0.0, tunable=True)
+_STARTS = {_VARIABLES[3].symbol: 1.0}
+
+
+def robot_system() -> AffineSystem:
+    """Posture model (9) with mass and inertia ratios rho and acceleration disturbances d; outputs x and y, in m."""
+    x, y, theta, eta1, eta2, u1, u2, d1, d2 = (one.symbol for one in _VARIABLES)
+    rho1, rho2 = (one.symbol for one in _RHO)
+    return AffineSystem(
+        states=(x, y, theta, eta1, eta2),
+        inputs=(u1, u2),
+        drift=(-eta1 * sp.sin(theta), eta1 * sp.cos(theta), eta2, 0, 0),
+        input_matrix=[[0, 0], [0, 0], [0, 0], [rho1, 0], [0, rho2]],
+        outputs=(x, y),
+        parameters=(rho1, rho2),
+        disturbances={d1: (0, 0, 0, 1, 0), d2: (0, 0, 0, 0, 1)},
+    )
+
+
+@lru_cache
+def robot_linearization() -> Linearization:
+    """Dynamic feedback linearisation of the nominal robot (rho = 1): relative degree (3, 3), full."""
+    return linearize(robot_system().with_parameters(dict.fromkeys(symbols("rho[1]", "rho[2]"), 1)))
+
+
+def robot() -> Block:
+    """Bare plant: inputs ``u[1..2]``, ``d[1..2]``; outputs ``x``, ``y``, ``theta``, ``eta[1..2]`` (its states)."""
+    return plant_block(
+        robot_system(),
+        "robot",
+        description="wheeled mobile robot of type (2, 0)",
+        labels=_LABELS,
+        parameters=_RHO,
+        starts=_STARTS,
+    )
+
+
+def linearized_robot() -> Diagram:
+    """Robot with its linearising inner loop: jerk ``v[1..2]`` in, two chains of three integrators to ``x`` and ``y``.
+
+    For ``abs(eta[1]) > eta_min`` the chains are exact; nearer to rest 1/eta[1] becomes eta[1]/eta_min**2.
+    """
+    return linearized_block(
+        robot_linearization(),
+        "linearized_robot",
+        plant=robot_system(),
+        description="wheeled mobile robot with its linearising inner loop",
+        labels=_LABELS,
+        parameters=_RHO,
+        starts=_STARTS,
+        guards={_VARIABLES[3].symbol: _ETA_MIN},
+    )

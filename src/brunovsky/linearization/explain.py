@@ -1,0 +1,181 @@
+"""The derivation step by step, as on the board: one list of sentences and equations, rendered three ways."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+from sympy.printing.str import StrPrinter
+
+from brunovsky.linearization.affine import AffineSystem
+from brunovsky.linearization.relative_degree import OutputDerivatives
+
+if TYPE_CHECKING:
+    from brunovsky.linearization.linearize import Linearization
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Title of a step."""
+
+    title: str
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula that SymPy does not print, in plain text and in LaTeX."""
+
+    plain: str
+    latex: str
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """Prose with a ``{}`` for each of its arguments (formulas, SymPy objects, numbers, tuples of these)."""
+
+    template: str
+    arguments: tuple[Any, ...] = ()
+
+
+@dataclass(frozen=True)
+class Equation:
+    """A displayed equation."""
+
+    left: Formula
+    right: Any
+
+
+Line = Heading | Sentence | Equation
+
+
+def as_text(linearization: Linearization) -> str:
+    """Render the derivation as plain ASCII text."""
+    blocks = []
+    for line in derivation(linearization):
+        if isinstance(line, Heading):
+            blocks.append(f"\n{line.title}\n{'-' * len(line.title)}")
+        elif isinstance(line, Sentence):
+            blocks.append(line.template.format(*map(_plain, line.arguments)))
+        else:
+            left = f"  {line.left.plain} = "
+            blocks.append(left + _plain(line.right).replace("\n", "\n" + " " * len(left)))
+    return "\n".join(blocks).lstrip("\n") + "\n"
+
+
+def as_latex(linearization: Linearization) -> str:
+    r"""Render the derivation as a LaTeX fragment: ``\paragraph`` titles, prose and ``\[ … \]`` displays."""
+    return _with_mathematics(linearization, "\\paragraph{{{}}}", "\\[ {} \\]")
+
+
+def as_markdown(linearization: Linearization) -> str:
+    """Render the derivation as Markdown with dollar mathematics, for notebooks."""
+    return _with_mathematics(linearization, "### {}", "$$ {} $$")
+
+
+def _with_mathematics(linearization: Linearization, heading: str, display: str) -> str:
+    blocks = []
+    for line in derivation(linearization):
+        if isinstance(line, Heading):
+            blocks.append(heading.format(line.title))
+        elif isinstance(line, Sentence):
+            blocks.append(line.template.format(*(f"${_latex(argument)}$" for argument in line.arguments)))
+        else:
+            blocks.append(display.format(f"{line.left.latex} = {_latex(line.right)}"))
+    return "\n\n".join(blocks) + "\n"
+
+
+def derivation(linearization: Linearization) -> Iterator[Line]:
+    """Yield all lines of the derivation, in order."""
+    system, steps = linearization.system, linearization.extension.steps
+    yield from _system(system)
+    for step in steps:
+        yield from _derivatives(step.system, step.derivatives)
+        yield Sentence(
+            "G has generic rank {}, not {}: outputs {} depend on each other through {} alone, so it is singular "
+            "everywhere and static feedback does not decouple them.",
+            (step.rank, len(system.outputs), tuple(i + 1 for i in step.outputs), step.delayed),
+        )
+        yield Heading("Dynamic extension")
+        yield Sentence("An integrator in front of {}: a state now, its derivative an input.", (step.delayed,))
+        for old, new in zip(step.delayed, step.inputs, strict=True):
+            yield Equation(_rate(old), new)
+    yield from _derivatives(linearization.extended_system, linearization.extension.derivatives)
+    yield Equation(Formula("det G", r"\det G"), linearization.determinant)
+    yield from _law(linearization)
+
+
+def _system(system: AffineSystem) -> Iterator[Line]:
+    yield Heading("System")
+    yield Sentence("States: {}; inputs: {}; outputs:", (system.states, system.inputs))
+    for index, output in enumerate(system.outputs):
+        yield Equation(_lie(index, 0), output)
+    yield Sentence("Dynamics:")
+    for state, derivative in zip(system.states, system.dynamics, strict=True):
+        yield Equation(_rate(state), derivative)
+    if system.disturbances:
+        yield Sentence("In what follows {} = 0: the law does not know the disturbances.", (tuple(system.disturbances),))
+
+
+def _derivatives(system: AffineSystem, derivatives: OutputDerivatives) -> Iterator[Line]:
+    yield Heading("Differentiate the outputs until an input appears")
+    for index, chain in enumerate(derivatives.chains):
+        for order in range(1, len(chain) + 1):
+            row = derivatives.decoupling_matrix.row(index) if order == len(chain) else [0] * len(system.inputs)
+            for symbol, gain in zip(system.inputs, row, strict=True):
+                yield Equation(_lie(index, order - 1, symbol), gain)
+            yield Equation(_lie(index, order), (*chain, derivatives.drift_term[index])[order])
+    yield Sentence("Relative degree: {}.", (derivatives.relative_degree,))
+    highest = Formula("y^(r) = F + G u", "y^{(r)} = F + G u")
+    yield Sentence("The highest derivatives are {} with the inputs {} in that order and", (highest, system.inputs))
+    yield Equation(Formula("F", "F"), derivatives.drift_term)
+    yield Equation(Formula("G", "G"), derivatives.decoupling_matrix)
+
+
+def _law(linearization: Linearization) -> Iterator[Line]:
+    yield Heading("Linearising law")
+    inverse = Formula("u = G^-1 (v - F)", "u = G^{-1} (v - F)")
+    yield Sentence("{} with the outer inputs {}:", (inverse, linearization.outer_inputs))
+    for symbol, expression in linearization.law.items():
+        yield Equation(Formula(str(symbol), sp.latex(symbol)), expression)
+    locus = linearization.singular_locus
+    if locus == sp.false:
+        yield Sentence("It exists wherever F and G do.")
+    else:
+        yield Sentence("It does not exist where {}.", (locus,))
+    total, count = sum(linearization.relative_degree), len(linearization.extended_system.states)
+    kind = "the linearisation is full" if linearization.is_full else "there are internal dynamics"
+    yield Sentence(f"The total relative degree is {{}}, the number of states {{}}: {kind}.", (total, count))
+
+
+def _rate(symbol: sp.Symbol) -> Formula:
+    return Formula(f"d{symbol}/dt", rf"\dot{{{sp.latex(symbol)}}}")
+
+
+def _lie(index: int, order: int, symbol: sp.Symbol | None = None) -> Formula:
+    """L_g L_f^k h_i, with g the vector field of the input symbol; without it L_f^k h_i."""
+    plain, latex = f"h{index + 1}", f"h_{{{index + 1}}}"
+    if order:
+        power = order > 1
+        plain = f"L_f{f'^{order}' if power else ''} {plain}"
+        latex = f"L_{{f}}{f'^{{{order}}}' if power else ''} {latex}"
+    if symbol is not None:
+        plain, latex = f"L_g({symbol}) {plain}", f"L_{{g({sp.latex(symbol)})}} {latex}"
+    return Formula(plain, latex)
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, Formula):
+        return value.plain
+    if isinstance(value, tuple):
+        return ", ".join(map(_plain, value))
+    if isinstance(value, sp.MatrixBase):
+        return str(value.table(StrPrinter(), colsep="  "))
+    return f"{value.lhs} = {value.rhs}" if isinstance(value, sp.Eq) else str(value)
+
+
+def _latex(value: Any) -> str:
+    if isinstance(value, Formula):
+        return value.latex
+    return ", ".join(map(_latex, value)) if isinstance(value, tuple) else str(sp.latex(value))

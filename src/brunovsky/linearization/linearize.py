@@ -1,0 +1,190 @@
+"""The linearising law: u = G^-1 (v - F), after dynamic extension where it is needed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from brunovsky.errors import LinearizationError, ModelError
+from brunovsky.linearization import explain as _explain
+from brunovsky.linearization._frozen import FrozenMapping
+from brunovsky.linearization.affine import AffineSystem
+from brunovsky.linearization.extension import Extension, extend
+from brunovsky.linearization.naming import outer_inputs
+from brunovsky.linearization.simplify import factored, tidy
+from brunovsky.linearization.validation import resolve
+
+_ZERO = 1e-12
+
+
+@dataclass(frozen=True)
+class Linearization:
+    """A plant, its dynamic extension and the law that turns it into chains of integrators y_i^(r_i) = v_i.
+
+    With y^(r) = F(x) + G(x) u of the extended system, the law is u = G(x)^-1 (v - F(x)).
+
+    Parameters
+    ----------
+    system : AffineSystem
+        The plant as given (n states, m inputs, m outputs).
+    extension : Extension
+        The integrators in front of its inputs (`states`, `inputs`, `integrators`) and the rounds that led to them
+        (`steps`).
+    relative_degree : tuple of int, shape (m,)
+        The lengths r_i of the chains.
+    chains : tuple of tuples of sympy.Expr
+        The coordinate map: per output y, y', ..., y^(r_i - 1) in the states of the extended system.
+    drift_term : sympy.ImmutableDenseMatrix, shape (m, 1)
+        The vector F, in the units of y_i / s^(r_i).
+    decoupling_matrix : sympy.ImmutableDenseMatrix, shape (m, m)
+        The matrix G; columns in the order of the extended system's inputs.
+    determinant : sympy.Expr
+        det G, simplified and factored.
+    outer_inputs : tuple of sympy.Symbol, shape (m,)
+        The symbols v.
+    law : mapping of sympy.Symbol to sympy.Expr
+        Every input of the extended system, in their order, as a quotient in lowest terms in the extended states and v.
+    """
+
+    system: AffineSystem
+    extension: Extension
+    relative_degree: tuple[int, ...]
+    chains: tuple[tuple[sp.Expr, ...], ...]
+    drift_term: sp.ImmutableDenseMatrix
+    decoupling_matrix: sp.ImmutableDenseMatrix
+    determinant: sp.Expr
+    outer_inputs: tuple[sp.Symbol, ...]
+    law: Mapping[sp.Symbol, sp.Expr]
+
+    @property
+    def extended_system(self) -> AffineSystem:
+        """The plant with the integrators in front of its inputs; the plant itself where there are none."""
+        return self.extension.system
+
+    @property
+    def is_full(self) -> bool:
+        """Whether the chains are all of the extended system: total relative degree = number of its states.
+
+        Where they are not, the law leaves internal dynamics unobservable from the outputs.
+        """
+        return sum(self.relative_degree) == len(self.extended_system.states)
+
+    @property
+    def singular_locus(self) -> Any:
+        """Where the law does not exist: Eq(product of the factors of det G that may vanish, 0), or false."""
+        numerator = sp.fraction(self.determinant)[0]
+        factors = [factor for factor, _ in sp.factor_list(numerator)[1] if not factor.is_nonzero]
+        return sp.Eq(sp.Mul(*factors), 0) if factors else sp.false
+
+    def explain(self) -> str:
+        """Return the derivation step by step, as on the board, as plain text."""
+        return _explain.as_text(self)
+
+    def latex(self) -> str:
+        """Return the same derivation as a LaTeX fragment (paragraphs and displayed equations; needs amsmath)."""
+        return _explain.as_latex(self)
+
+    def _repr_markdown_(self) -> str:
+        return _explain.as_markdown(self)
+
+
+def linearize(
+    system: AffineSystem,
+    *,
+    operating_point: Mapping[sp.Symbol | str, Any] | None = None,
+    max_extensions: int = 4,
+) -> Linearization:
+    """Derive the input-output linearising feedback of a plant, with dynamic extension where static is not enough.
+
+    Parameters
+    ----------
+    system : AffineSystem
+        The plant, with as many outputs as inputs. Its disturbances are taken as zero; uncertain parameters should be
+        set to their nominal values first (`AffineSystem.with_parameters`).
+    operating_point : mapping of sympy.Symbol or str to number, optional
+        Values of states of the extended system and of parameters, in their units. If given, the law must exist
+        there; states that are left out are taken as generic.
+    max_extensions : int
+        The most rounds of dynamic extension to try.
+
+    Returns
+    -------
+    Linearization
+        Law, chains and derivation.
+
+    Raises
+    ------
+    LinearizationError
+        If the plant is not square, an output has no finite relative degree, the decoupling matrix stays singular, or
+        it is singular at the operating point. The message says why and after which step.
+    ParameterError
+        If the operating point names something else than a state or parameter, or a value is not finite.
+    ModelError
+        If `system` is not an AffineSystem or `max_extensions` is negative.
+
+    References
+    ----------
+    A. Isidori, *Nonlinear Control Systems*, 3rd ed., 1995, sections 5.2 to 5.4, doi:10.1007/978-1-84628-615-5.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> angle, rate, torque = sp.symbols("angle rate torque", real=True)
+    >>> pendulum = AffineSystem((angle, rate), (torque,), [rate, -sp.sin(angle)], [0, 1], (angle,))
+    >>> linearize(pendulum).law
+    {torque: v1 + sin(angle)}
+    """
+    _check_arguments(system, max_extensions)
+    extension = extend(system, max_extensions)
+    extended, derivatives = extension.system, extension.derivatives
+    gains, drift_term = derivatives.decoupling_matrix, derivatives.drift_term
+    determinant = factored(gains.det(method="berkowitz"))
+    taken = {str(s) for s in (*extended.states, *extended.inputs, *extended.parameters, *extended.disturbances)}
+    outer = outer_inputs(extended.inputs, len(extended.outputs), taken)
+    numerators = gains.adjugate() * (sp.Matrix(outer) - drift_term)
+    law = {symbol: tidy(part / determinant) for symbol, part in zip(extended.inputs, numerators, strict=True)}
+    result = Linearization(
+        system=system,
+        extension=extension,
+        relative_degree=derivatives.relative_degree,
+        chains=derivatives.chains,
+        drift_term=drift_term,
+        decoupling_matrix=gains,
+        determinant=determinant,
+        outer_inputs=outer,
+        law=FrozenMapping(law),
+    )
+    if operating_point is not None:
+        _check_operating_point(result, operating_point)
+    return result
+
+
+def _check_arguments(system: AffineSystem, max_extensions: int) -> None:
+    if not isinstance(system, AffineSystem):
+        raise ModelError(f"{system!r} is not an AffineSystem; make one of states, inputs, drift, input_matrix, outputs")
+    if max_extensions < 0:
+        raise ModelError(f"max_extensions is {max_extensions}; give 0, 1, 2, …")
+    inputs, outputs = len(system.inputs), len(system.outputs)
+    if inputs != outputs:
+        raise LinearizationError(
+            f"before any derivative: {outputs} output(s) for {inputs} input(s); the law inverts a square matrix, "
+            "so choose as many outputs as inputs"
+        )
+
+
+def _check_operating_point(linearization: Linearization, operating_point: Mapping[sp.Symbol | str, Any]) -> None:
+    extended = linearization.extended_system
+    point = resolve(operating_point, extended.states + extended.parameters, "state or parameter")
+    described = ", ".join(f"{symbol} = {value}" for symbol, value in point.items())
+    expressions = (linearization.determinant, *linearization.drift_term, *linearization.decoupling_matrix)
+    values = [expression.subs(point) for expression in expressions]
+    for expression, value in zip(expressions, values, strict=True):
+        if value.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+            raise LinearizationError(f"at the operating point ({described}): {expression} is not finite there; move it")
+    determinant = tidy(values[0])
+    if determinant == 0 or (determinant.is_number and abs(determinant.evalf()) < _ZERO):
+        raise LinearizationError(
+            f"at the operating point ({described}): the decoupling matrix is singular there, its determinant "
+            f"{linearization.determinant} vanishes; move the operating point off {linearization.singular_locus}"
+        )

@@ -1,0 +1,62 @@
+"""The one simplification of this folder: short forms in lowest terms, fast and deterministic."""
+
+from functools import lru_cache
+
+import sympy as sp
+
+from brunovsky.linearization.rank import in_sines_and_cosines
+
+
+@lru_cache(maxsize=4096)
+def tidy(expression: sp.Expr) -> sp.Expr:
+    """Shortest of a few forms of an expression, a quotient in lowest terms.
+
+    The candidates are the cancelled quotient with angle sums kept or expanded, and with sin^2 + cos^2 = 1 used to
+    eliminate either square, angle by angle. (`sympy.simplify` finds the same forms for small plants, slower.)
+
+    Parameters
+    ----------
+    expression : sympy.Expr
+        A rational function of symbols, sines, cosines and other functions of them.
+
+    Returns
+    -------
+    sympy.Expr
+        An equal expression.
+    """
+    cancelled = sp.cancel(expression)
+    candidates = [_pythagoras(cancelled)]
+    expanded = in_sines_and_cosines(expression)
+    if expanded != expression:
+        candidates.append(_pythagoras(sp.cancel(expanded)))
+    # doit: factor_terms leaves unevaluated products that would not survive a substitution or pickling
+    return min((sp.factor_terms(candidate, sign=True).doit() for candidate in candidates), key=_length)
+
+
+def factored(expression: sp.Expr) -> sp.Expr:
+    """Tidied expression with numerator and denominator as products of irreducible factors."""
+    return min((sp.factor(tidy(expression)), tidy(sp.factor(expression))), key=_length)
+
+
+def _length(expression: sp.Expr) -> tuple[int, int]:
+    """Operations, then sums: a product is preferred to a sum of the same length."""
+    return int(sp.count_ops(expression)), len(expression.atoms(sp.Add))
+
+
+def _pythagoras(quotient: sp.Expr) -> sp.Expr:
+    for angle in sorted({term.args[0] for term in quotient.atoms(sp.sin, sp.cos)}, key=str):
+        sine, cosine = sp.sin(angle), sp.cos(angle)
+        forms = [quotient]
+        for eliminated, kept in ((sine, cosine), (cosine, sine)):
+            forms.append(sp.cancel(_reduce(quotient, eliminated, kept)))
+        quotient = min(forms, key=_length)
+    return quotient
+
+
+def _reduce(quotient: sp.Expr, eliminated: sp.Expr, kept: sp.Expr) -> sp.Expr:
+    """Numerator and denominator modulo eliminated^2 + kept^2 - 1, at most linear in the eliminated function."""
+    numerator, denominator = (
+        sp.rem(part, eliminated**2 + kept**2 - 1, eliminated) if part.has(eliminated) else part
+        for part in sp.fraction(quotient)
+    )
+    return quotient if denominator == 0 else numerator / denominator

@@ -1,0 +1,102 @@
+"""The C compiler: the system's, or ziglang's where there is none (extra ``zig``)."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+
+from brunovsky.errors import CompilerError
+
+SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+"""File name ending of shared libraries on this machine."""
+
+_FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared")
+
+
+def find_compiler() -> tuple[str, ...]:
+    """Command that compiles C here: ``$CC``, cc, gcc, clang, or ``python -m ziglang cc``.
+
+    Raises
+    ------
+    CompilerError
+        If there is none; the message says how to get one.
+    """
+    if os.environ.get("CC"):
+        command = shlex.split(os.environ["CC"])
+        if shutil.which(command[0]) is None:
+            raise CompilerError(f"the C compiler named by CC, '{command[0]}', was not found; correct or unset CC")
+        return tuple(command)
+    for name in ("cc", "gcc", "clang"):
+        if shutil.which(name):
+            return (name,)
+    if importlib.util.find_spec("ziglang"):
+        return (sys.executable, "-m", "ziglang", "cc")
+    raise CompilerError(
+        "no C compiler was found (cc, gcc, clang, or the one named by CC); install one, "
+        "or the bundled one with: pip install 'brunovsky[zig]'"
+    )
+
+
+@lru_cache
+def compiler_version(command: tuple[str, ...]) -> str:
+    """First line of what the compiler says of itself."""
+    done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
+    return (done.stdout or done.stderr).partition("\n")[0]
+
+
+def compile_library(
+    sources: Sequence[Path],
+    output: Path,
+    *,
+    include: Sequence[Path] = (),
+    defines: Mapping[str, str] | None = None,
+) -> None:
+    """Compile C sources to one shared library for this machine.
+
+    Parameters
+    ----------
+    sources : sequence of Path
+        C99 files.
+    output : Path
+        The library; written whole or not at all.
+    include : sequence of Path
+        Folders searched for headers.
+    defines : mapping of str to str, optional
+        Macros, each ``-DNAME=VALUE``.
+
+    Raises
+    ------
+    CompilerError
+        If there is no compiler or it fails; the message has its command and what it printed.
+    """
+    command = find_compiler()
+    flags = [*_FLAGS, *(() if sys.platform == "win32" else ("-fPIC",))]
+    if "ziglang" in command:
+        flags.append("-fno-sanitize=all")
+    with tempfile.TemporaryDirectory(dir=output.parent) as folder:
+        fresh = Path(folder) / output.name
+        line = [
+            *command,
+            *flags,
+            *(f"-I{path}" for path in include),
+            *(f"-D{name}={value}" for name, value in (defines or {}).items()),
+            "-o",
+            str(fresh),
+            *map(str, sources),
+            "-lm",
+        ]
+        try:
+            done = subprocess.run(line, capture_output=True, text=True, check=False)
+        except OSError as error:
+            raise CompilerError(f"the C compiler could not be started: {error}") from None
+        if done.returncode:
+            raise CompilerError(f"the C compiler failed: {shlex.join(line)}\n{done.stderr.strip()}")
+        os.replace(fresh, output)
