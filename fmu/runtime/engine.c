@@ -138,7 +138,7 @@ static int fail(Engine *engine, const char *variable, const char *problem)
     return ENGINE_FAILED;
 }
 
-int engine_start(Engine *engine, double start_time, int model_exchange)
+int engine_check_parameters(Engine *engine, int model_exchange)
 {
     const Model *model = engine->model;
     const int check = model->start_check(engine->p, model_exchange);
@@ -148,17 +148,23 @@ int engine_start(Engine *engine, double start_time, int model_exchange)
         snprintf(engine->message, sizeof engine->message, "%s: %s", model->name, model->check_messages[check]);
         return ENGINE_FAILED;
     }
+    model->periods(engine->p, engine->work);
+    for (int i = 0; i < model->nq; i++)
+        if (!(engine->work[i] > 0 && isfinite(engine->work[i])))
+            return fail(engine, model->q_names[i], "has a period that is not positive and finite");
+    return ENGINE_OK;
+}
+
+int engine_start(Engine *engine, double start_time, int model_exchange)
+{
+    const Model *model = engine->model;
     engine->time = engine->start_time = start_time;
     model->start(engine->p, engine->x, engine->q);
     for (int i = 0; i < model->nm; i++)
         engine->m[i] = model->m_start[i];
     for (int i = 0; i < model->nq; i++)
         engine->due[i] = 0;
-    model->periods(engine->p, engine->work);
-    for (int i = 0; i < model->nq; i++)
-        if (!(engine->work[i] > 0 && isfinite(engine->work[i])))
-            return fail(engine, model->q_names[i], "has a period that is not positive and finite");
-    if (engine_event(engine) != ENGINE_OK)
+    if (engine_check_parameters(engine, model_exchange) != ENGINE_OK || engine_event(engine) != ENGINE_OK)
         return ENGINE_FAILED;
     return engine_check_finite(engine);
 }

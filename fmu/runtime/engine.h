@@ -28,7 +28,10 @@ ENGINE_API void engine_free(Engine *engine);
 /* Defaults of parameters and inputs; before engine_start. */
 ENGINE_API void engine_reset(Engine *engine);
 
-/* Start values and the events of the first instant. Failed checks of parameters are ENGINE_FAILED as well. */
+/* Checks of the block that parameters have to pass; due at the start and after a parameter changed. */
+ENGINE_API int engine_check_parameters(Engine *engine, int model_exchange);
+
+/* Checks, start values and the events of the first instant. */
 ENGINE_API int engine_start(Engine *engine, double start_time, int model_exchange);
 
 /* Due samples, then relations and transitions until nothing changes. */

@@ -8,6 +8,7 @@ simulation (:func:`simulate`), an FMU (:func:`export_fmu`) or an in-process comp
 from importlib.metadata import PackageNotFoundError, version
 
 from brunovsky import analysis, blocks
+from brunovsky.analysis import to_control
 from brunovsky.blocks import Block, Diagram, linearized_block
 from brunovsky.errors import BrunovskyError
 from brunovsky.linearization import AffineSystem, Linearization, linearize
@@ -29,4 +30,5 @@ __all__ = [
     "linearize",
     "linearized_block",
     "simulate",
+    "to_control",
 ]

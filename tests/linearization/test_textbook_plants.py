@@ -113,6 +113,19 @@ def test_internal_dynamics_make_a_linearisation_partial() -> None:
     assert "there are internal dynamics" in result.explain()
 
 
+def test_factors_that_cannot_vanish_are_not_in_the_singular_locus() -> None:
+    mass = sp.Symbol("m", positive=True)
+    system = AffineSystem((A,), (U1,), [0], [mass * A], (A,), (mass,))
+    assert linearize(system).determinant == mass * A
+    assert linearize(system).singular_locus == sp.Eq(A, 0)
+
+
+def test_a_gain_that_vanishes_in_disguise_does_not_count() -> None:
+    disguise = 2 * sp.sin(C / 2) * sp.cos(C / 2) - sp.sin(C)
+    system = AffineSystem((A, B, C), (U1,), [B, 0, 0], [0, 1, 1], (A + disguise,))
+    assert vector_relative_degree(system) == (2,)
+
+
 def test_added_names_avoid_those_that_are_taken() -> None:
     v1, w1 = sp.symbols("v1 w1")
     u1 = sp.Symbol("u1", positive=True)

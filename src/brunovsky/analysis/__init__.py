@@ -1,10 +1,10 @@
 """Linear and sliding-mode analysis of the Brunovsky chains, in python-control's own objects.
 
-`chains` holds the plants, `design` gains and surfaces, `margins` the linear loop, `sliding` the bounds of the
-switching law. Everything here works on gains and surfaces alone, for chains of any order.
+`integrator_chains` holds the plants, `design` gains and surfaces, `robustness` the margins of the linear loop,
+`sliding` the bounds of the switching law; they work on gains and surfaces alone, for chains of any order. `system`
+hands a whole block to python-control.
 """
 
-from brunovsky.analysis.chains import chain, chains, error_dynamics
 from brunovsky.analysis.design import (
     boundary_layer_gain,
     closed_loop_poles,
@@ -13,7 +13,8 @@ from brunovsky.analysis.design import (
     surface_from_poles,
     surface_poles,
 )
-from brunovsky.analysis.margins import Margins, lag_margin, loop_transfer, margins
+from brunovsky.analysis.integrator_chains import chain, chains, error_dynamics
+from brunovsky.analysis.robustness import Margins, lag_margin, loop_transfer, margins
 from brunovsky.analysis.sliding import (
     forward_disturbance_bound,
     matched_disturbance_bound,
@@ -21,6 +22,7 @@ from brunovsky.analysis.sliding import (
     unmatched_residual,
     yaw_disturbance_bound,
 )
+from brunovsky.analysis.system import to_control
 
 __all__ = [
     "Margins",
@@ -39,6 +41,7 @@ __all__ = [
     "sliding_gain",
     "surface_from_poles",
     "surface_poles",
+    "to_control",
     "unmatched_residual",
     "yaw_disturbance_bound",
 ]

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 import sympy as sp
 
@@ -28,6 +29,7 @@ from brunovsky.blocks.variables import (
 )
 from brunovsky.errors import ModelError, ParameterError
 
+V = TypeVar("V", bound=Variable)
 _FROM_PARAMETERS = "parameters"
 
 
@@ -98,18 +100,18 @@ class Block:
         def lower(expression: object, what: str) -> sp.Basic:
             return table.lower(sp.sympify(expression), f"{self.name}: {what}")
 
-        def replaced(items: Iterable[Variable], *attributes: str) -> tuple[Variable, ...]:
+        def replaced(items: Iterable[V], *attributes: str) -> tuple[V, ...]:
             return tuple(
                 dataclasses.replace(
                     item,
-                    **{name: lower(getattr(item, name), f"{name} of '{item.name}'") for name in attributes},  # type: ignore[arg-type]
+                    **{name: lower(getattr(item, name), f"{name} of '{item.name}'") for name in attributes},
                 )
                 for item in items
             )
 
         object.__setattr__(self, "states", replaced(self.states, "derivative", "start"))
         object.__setattr__(self, "samples", replaced(self.samples, "update", "start", "period"))
-        object.__setattr__(self, "outputs", replaced(self.outputs, "expression"))
+        outputs = replaced(self.outputs, "expression")
         transitions = tuple(
             Transition(
                 one.name,
@@ -118,6 +120,12 @@ class Block:
             )
             for one in self.transitions
         )
+        relations = {one.symbol for one in table.relations}
+        outputs = tuple(
+            dataclasses.replace(one, is_boolean=one.expression in relations or not isinstance(one.expression, sp.Expr))
+            for one in outputs
+        )
+        object.__setattr__(self, "outputs", outputs)
         object.__setattr__(self, "transitions", transitions)
         object.__setattr__(self, "relations", tuple(table.relations))
 
@@ -135,7 +143,9 @@ class Block:
                 raise ModelError(f"{self.name}: {what} uses {names}; it may use only {allowed}")
         for transition in self.transitions:
             for target in set(transition.assign) - assignable:
-                raise ModelError(f"{self.name}: transition '{transition.name}' assigns {target}, not a state, sample or mode")
+                raise ModelError(
+                    f"{self.name}: transition '{transition.name}' assigns {target}, not a state, sample or mode"
+                )
 
     def _expressions(self) -> Iterable[tuple[str, sp.Basic, str]]:
         for state in self.states:
@@ -164,7 +174,7 @@ class Block:
 
     @cached_property
     def indicators(self) -> tuple[sp.Expr, ...]:
-        """Functions whose zero crossings are state events: of the relations that can change between events, once each."""
+        """Functions whose zero crossings are state events, of the relations that change between events, once each."""
         fixed = {item.symbol for item in (*self.parameters, *self.modes, *self.samples)}
         found: list[sp.Expr] = []
         for relation in self.relations:

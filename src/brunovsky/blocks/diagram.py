@@ -17,12 +17,12 @@ import sympy as sp
 from brunovsky._frozen import FrozenMapping
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.units import unit_exponents
-from brunovsky.blocks.variables import Input, Output, Parameter, Relation, Sample, Variable, symbol
+from brunovsky.blocks.variables import Check, Input, Output, Parameter, Relation, Sample, Variable, symbol
 from brunovsky.errors import ModelError
 
 Parts = dict[str, list[Any]]
 Export = Mapping[str, str | Sequence[str]]
-V = TypeVar("V", Input, Parameter)
+V = TypeVar("V", bound=Input | Parameter)
 
 
 @dataclass(frozen=True, init=False)
@@ -98,7 +98,10 @@ class _Wires:
         parameters: Export,
     ) -> _Wires:
         parts = tuple(_prefixed(block, key) for key, block in components.items())
-        known = {kind: {one.name: one for part in parts for one in part[kind]} for kind in ("inputs", "outputs", "parameters")}
+        known = {
+            kind: {one.name: one for part in parts for one in part[kind]}
+            for kind in ("inputs", "outputs", "parameters")
+        }
 
         def named(one: str, kind: str) -> str:
             if one not in known[kind]:
@@ -116,10 +119,8 @@ class _Wires:
                 if element in drivers:
                     raise ModelError(f"diagram {name}: input '{element}' is connected twice")
                 drivers[element] = named(source + indices, "outputs")
-        wires = cls(
-            name, parts, drivers, shared(inputs, "inputs"), {key: named(one, "outputs") for key, one in outputs.items()},
-            shared(parameters, "parameters"),
-        )  # fmt: skip
+        exported = {key: named(one, "outputs") for key, one in outputs.items()}
+        wires = cls(name, parts, drivers, shared(inputs, "inputs"), exported, shared(parameters, "parameters"))
         wires._check(known["inputs"], known["outputs"])
         return wires
 
@@ -136,7 +137,7 @@ class _Wires:
 
 
 def _flattened(wires: _Wires, values: Mapping[str, float]) -> Parts:
-    """Parts of the flat block: inputs substituted by what drives them, shared names merged, states renamed as exported."""
+    """Parts of the flat block: inputs substituted, shared names merged, states renamed as they are exported."""
     joined: Parts = {key: [one for part in wires.parts for one in part[key]] for key in wires.parts[0]}
     parameters, merged = _merged(wires.name, wires.parameters, joined["parameters"], values)
     inputs, exported = _merged(wires.name, wires.inputs, joined["inputs"], {})
@@ -197,22 +198,29 @@ def _merged(
     known = {one.name: one for one in items}
     merged: list[V] = []
     for name, group in groups.items():
-        first = known[group[0]]
-        for other in (known[one] for one in group[1:]):
-            _check_units(diagram, first, other)
-            if name not in values and getattr(first, "value", 0.0) != getattr(other, "value", 0.0):
+        sharing = [known[one] for one in group]
+        for other in sharing[1:]:
+            _check_units(diagram, sharing[0], other)
+            if name not in values and getattr(other, "value", None) != getattr(sharing[0], "value", None):
                 raise ModelError(
-                    f"diagram {diagram}: '{first.name}' and '{other.name}' "
-                    f"share '{name}' with different defaults; give it a value in `values`"
+                    f"diagram {diagram}: '{sharing[0].name}' and '{other.name}' share '{name}' "
+                    "with different defaults; give it a value in `values`"
                 )
-        one = dataclasses.replace(first, name=name)
-        if isinstance(one, Parameter):
-            range_ = {"minimum": max(known[n].minimum for n in group), "maximum": min(known[n].maximum for n in group)}
-            one = dataclasses.replace(one, tunable=all(known[n].tunable for n in group), **range_)
-        merged.append(one)
+        merged.append(dataclasses.replace(sharing[0], name=name, **_common_range(sharing)))
     used = {one for group in groups.values() for one in group}
     symbols = {symbol(one): symbol(name) for name, group in groups.items() for one in group}
     return [*merged, *(one for one in items if one.name not in used)], symbols
+
+
+def _common_range(sharing: Sequence[Variable]) -> dict[str, Any]:
+    parameters = [one for one in sharing if isinstance(one, Parameter)]
+    if not parameters:
+        return {}
+    return {
+        "minimum": max(one.minimum for one in parameters),
+        "maximum": min(one.maximum for one in parameters),
+        "tunable": all(one.tunable for one in parameters),
+    }
 
 
 def _ordered_relations(relations: Sequence[Relation]) -> list[Relation]:
@@ -256,20 +264,20 @@ def _prefixed(block: Block, prefix: str) -> Parts:
 def _mapped(
     parts: Parts, symbols: Mapping[sp.Symbol, sp.Basic], rename: Callable[[str], str] = lambda name: name
 ) -> Parts:
-    """Parts with symbols substituted in every expression and names mapped."""
+    """Parts with symbols substituted in every expression and names mapped; a check keeps its name."""
     substitution = dict(symbols)
 
-    def mapped(key: str, value: Any) -> Any:
+    def mapped(item: Any, key: str, value: Any) -> Any:
         if key == "name":
-            return rename(value)
+            return value if isinstance(item, Check) else rename(value)
         if isinstance(value, sp.Basic):
             return value.xreplace(substitution)
         if isinstance(value, Mapping):
-            return {mapped("", one): mapped("", other) for one, other in value.items()}
+            return {mapped(item, "", one): mapped(item, "", other) for one, other in value.items()}
         return value
 
     def renewed(item: Any) -> Any:
-        new = {one.name: mapped(one.name, getattr(item, one.name)) for one in dataclasses.fields(item)}
+        new = {one.name: mapped(item, one.name, getattr(item, one.name)) for one in dataclasses.fields(item)}
         return dataclasses.replace(item, **new)
 
     return {key: [renewed(item) for item in items] for key, items in parts.items()}

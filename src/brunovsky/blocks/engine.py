@@ -33,7 +33,7 @@ class _Printer(NumPyPrinter):  # type: ignore[misc]
     """NumPy code with Piecewise as nested ``where``, which takes Boolean scalars as they are."""
 
     def _print_Piecewise(self, expr: sp.Piecewise) -> str:
-        text = self._print(expr.args[-1].expr)
+        text: str = self._print(expr.args[-1].expr)
         for value, condition in reversed(expr.args[:-1]):
             text = f"{self._module_format('numpy.where')}({self._print(condition)}, {self._print(value)}, {text})"
         return text
@@ -72,7 +72,7 @@ class NumpyEngine:
         self._guards = self._function([one.guard for one in block.transitions])
         self._assignments = [self._function(list(one.assign.values())) for one in block.transitions]
         self._updates = self._function([one.update for one in block.samples])
-        self._starts = self._function([one.start for one in (*block.states, *block.samples)])
+        self._starts = self._function([*(one.start for one in block.states), *(one.start for one in block.samples)])
         self._periods = self._function([one.period for one in block.samples])
         self._failures = [one for one in block.checks if one.when == "failure"]
         self.reset()
@@ -186,7 +186,14 @@ class NumpyEngine:
         SimulationError
             If a value is not finite; the instance then has the state from before the step.
         """
-        saved = (self.time, self.states.copy(), self.samples.copy(), self.modes.copy(), self.relations.copy(), self._due.copy())
+        saved = (
+            self.time,
+            self.states.copy(),
+            self.samples.copy(),
+            self.modes.copy(),
+            self.relations.copy(),
+            self._due.copy(),
+        )
         start = self.time
         try:
             self.event()
@@ -200,8 +207,9 @@ class NumpyEngine:
                     self.event()
             self.update_relations()
             self._check_finite()
-        except SimulationError:
+        except SimulationError as error:
             self.time, self.states, self.samples, self.modes, self.relations, self._due = saved
+            error.time = start
             raise
 
     def _integrate(self, stop: float) -> None:
@@ -280,15 +288,14 @@ class NumpyEngine:
     def _check_finite(self) -> None:
         for variable, value in zip(self.block.outputs, self.outputs(), strict=True):
             if not math.isfinite(value):
-                raise self._failure(variable.name, f"is {value}")
+                raise self._failure(variable.name, "is not finite")
         for state, value in zip(self.block.states, self.derivatives(), strict=True):
             if not math.isfinite(value):
-                raise self._failure(f"der({state.name})", f"is {value}")
+                raise self._failure(f"der({state.name})", "is not finite")
 
     def _failure(self, variable: str, problem: str) -> SimulationError:
-        reasons = [
-            one for one, holds in zip(self._failures, self._function([one.condition for one in self._failures])(), strict=True) if not holds
-        ]  # fmt: skip
+        holds = self._function([one.condition for one in self._failures])()
+        reasons = [one for one, held in zip(self._failures, holds, strict=True) if not held]
         hint = "".join(f": {one.message}" for one in reasons)
         return SimulationError(
             f"{self.block.name}: {variable} {problem} at t = {self.time:.9g} s{hint}",

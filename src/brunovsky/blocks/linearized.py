@@ -1,29 +1,19 @@
-"""Blocks made from a system and its linearisation: the plant, the inner loop, and the two together.
-
-The singularity is guarded where it is: only a denominator that vanishes is regularised, ``1/d`` becoming
-``d/d_min**2`` for ``abs(d) <= d_min``, which is continuous and zero at ``d = 0``. ``d_min = 0`` is the plain law.
-"""
+"""Blocks made from a system and its linearisation: the plant, the inner loop, and the two together."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import sympy as sp
 
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
+from brunovsky.blocks.guard import find_guards, guarded
 from brunovsky.blocks.units import derivative_unit
-from brunovsky.blocks.variables import Check, Input, Output, Parameter, Relation, State, Variable
+from brunovsky.blocks.variables import Input, Output, Parameter, State, Variable
 from brunovsky.linearization import AffineSystem, Linearization
 
 Labels = Mapping[sp.Symbol, Variable]
-
-
-def start_name(name: str) -> str:
-    """Name of the parameter that holds a state's start value: ``eta[1]`` has ``eta_start[1]``."""
-    stem, indices = re.fullmatch(r"([^\[]+)(.*)", name).groups()  # type: ignore[union-attr]
-    return f"{stem}_start{indices}"
 
 
 def plant_block(
@@ -40,7 +30,7 @@ def plant_block(
     Parameters
     ----------
     system : AffineSystem
-        n states, m inputs, its disturbances are inputs too.
+        n states, m inputs; its disturbances are inputs of the block too.
     name, description : str
         Of the block.
     labels : mapping of Symbol to Variable, optional
@@ -50,24 +40,30 @@ def plant_block(
     starts : mapping of Symbol to float, optional
         Default start values, 0 where not given; each state has a fixed parameter ``NAME_start``.
 
+    Returns
+    -------
+    Block
+        Inputs ``u`` and ``d``, outputs the n states.
+
     Raises
     ------
     ModelError
         If a parameter of the system has no declaration.
     """
-    states = [_label(one, labels) for one in system.states]
-    new = {one: _label(one, labels).symbol for one in (*system.states, *system.inputs, *system.disturbances)}
-    start_parameters = [_start_parameter(label, (starts or {}).get(one, 0.0)) for one, label in _zip(system.states, states)]
+    known = _labelled((*system.states, *system.inputs, *system.disturbances), labels)
+    new = {one: label.symbol for one, label in known.items()}
+    start = {one: _start_parameter(known[one], (starts or {}).get(one, 0.0)) for one in system.states}
+    states = [
+        State(*_parts(known[one]), derivative=slope.xreplace(new), start=start[one].symbol)
+        for one, slope in zip(system.states, system.dynamics, strict=True)
+    ]
     return Block(
         name,
         description,
-        inputs=tuple(_input(_label(one, labels)) for one in (*system.inputs, *system.disturbances)),
-        parameters=(*start_parameters, *parameters),
-        states=tuple(
-            State(label.name, label.unit, label.description, derivative.xreplace(new), start.symbol)
-            for label, derivative, start in zip(states, system.dynamics, start_parameters, strict=True)
-        ),
-        outputs=tuple(Output(one.name, one.unit, one.description, one.symbol) for one in states),
+        inputs=tuple(Input(*_parts(known[one])) for one in (*system.inputs, *system.disturbances)),
+        parameters=(*start.values(), *parameters),
+        states=tuple(states),
+        outputs=tuple(Output(*_parts(one), expression=one.symbol) for one in states),
     )
 
 
@@ -88,12 +84,14 @@ def inner_loop(
     ----------
     linearization : Linearization
         Its law, chains and compensator states.
+    name, description : str
+        Of the block.
     labels, parameters, starts
         As for :func:`plant_block`.
     output_units : sequence of str, optional
-        Unit of each output that heads a chain; taken from its label where the output is a state.
+        Unit of each output that heads a chain; taken from its label where the output is a state, else ``"1"``.
     guards : mapping of Expr to Parameter, optional
-        The parameter ``d_min`` for each denominator ``d`` of the law; missing ones are named ``singular_min[k]``.
+        The limit ``d_min`` for each denominator ``d`` of the law; missing ones are ``singular_min[k]``, default 0.
 
     Returns
     -------
@@ -101,40 +99,46 @@ def inner_loop(
         Inputs ``v[i]`` and the plant's states; outputs the plant's inputs, ``Zi[k]`` and the Boolean ``singular``.
     """
     system, extended = linearization.system, linearization.extended_system
-    compensator = [one for one in extended.states if one not in system.states]
-    units = output_units or [_label(one, labels).unit for one in system.outputs]
+    known = _labelled((*extended.states, *system.inputs), labels)
+    units = output_units or [known[one].unit if one in known else "1" for one in system.outputs]
     outer = [
-        Variable(f"v[{i}]", derivative_unit(unit, order), f"derivative {order} of z{i} that the outer loop asks for")
+        Variable(f"v[{i}]", derivative_unit(unit, order), f"input of chain {i}: derivative {order} of output {i}")
         for i, (unit, order) in enumerate(zip(units, linearization.relative_degree, strict=True), 1)
     ]
-    new = {one: _label(one, labels).symbol for one in (*extended.states, *system.inputs)}
-    new |= {old: one.symbol for old, one in _zip(linearization.outer_inputs, outer)}
-    guard = _Guard({key.xreplace(new): value for key, value in (guards or {}).items()})
-    law = {old: guard.applied(expression.xreplace(new)) for old, expression in linearization.law.items()}
-    start_parameters = {one: _start_parameter(_label(one, labels), (starts or {}).get(one, 0.0)) for one in compensator}
-    dynamics = dict(_zip(extended.states, extended.dynamics))
-    chains = [
-        Output(f"Z{i}[{k}]", derivative_unit(unit, k - 1), f"z{i}" if k == 1 else f"derivative {k - 1} of z{i}", expression.xreplace(new))
-        for i, (unit, chain) in enumerate(zip(units, linearization.chains, strict=True), 1)
-        for k, expression in enumerate(chain, 1)
-    ]  # fmt: skip
-    commands = []
-    for one in system.inputs:
-        label = _label(one, labels)
-        commands.append(Output(label.name, label.unit, label.description, label.symbol if one in compensator else law[one]))
+    new = {one: label.symbol for one, label in known.items()}
+    new |= {old: one.symbol for old, one in zip(linearization.outer_inputs, outer, strict=True)}
+    law = {old: expression.xreplace(new) for old, expression in linearization.law.items()}
+    found = find_guards(
+        law.values(),
+        [known[one].symbol for one in extended.states],
+        {key.xreplace(new): limit for key, limit in (guards or {}).items()},
+        {label.symbol: label.name for label in known.values()},
+    )
+    law = {old: guarded(expression, found) for old, expression in law.items()}
+    slopes = dict(zip(extended.states, extended.dynamics, strict=True))
+    compensator = [one for one in extended.states if one not in system.states]
+    start = {one: _start_parameter(known[one], (starts or {}).get(one, 0.0)) for one in compensator}
+    limits = [f"abs({one.shown}) <= {one.limit.name}" for one in found]
+    singular = (
+        f"{' or '.join(limits)}: the law is guarded against its singularity" if found else "never: no singularity"
+    )
     return Block(
         name,
         description,
-        inputs=tuple(_input(one) for one in (*outer, *(_label(one, labels) for one in system.states))),
-        parameters=(*start_parameters.values(), *parameters, *guard.parameters),
+        inputs=tuple(Input(*_parts(one)) for one in (*outer, *(known[one] for one in system.states))),
+        parameters=(*start.values(), *parameters, *(one.limit for one in found)),
         states=tuple(
-            State(*_parts(_label(one, labels)), derivative=dynamics[one].xreplace(law).xreplace(new), start=start_parameters[one].symbol)
+            State(*_parts(known[one]), slopes[one].xreplace(law).xreplace(new), start[one].symbol)
             for one in compensator
         ),
-        outputs=(*commands, *chains, Output("singular", "1", guard.description, guard.singular)),
-        relations=guard.relations,
-        checks=guard.checks,
-    )  # fmt: skip
+        outputs=(
+            *(Output(*_parts(known[one]), expression=law.get(one, known[one].symbol)) for one in system.inputs),
+            *_chain_outputs(linearization, units, new),
+            Output("singular", "1", singular, sp.Not(sp.And(*(one.regular for one in found)))),
+        ),
+        relations=tuple(relation for one in found for relation in one.relations),
+        checks=tuple(one.check for one in found),
+    )
 
 
 def linearized_block(
@@ -153,6 +157,10 @@ def linearized_block(
 
     Parameters
     ----------
+    linearization : Linearization
+        Of the nominal plant.
+    name, description : str
+        Of the diagram.
     plant : AffineSystem, optional
         The true plant where it differs from the one that was linearised (uncertain parameters, disturbances).
         The law keeps to its nominal model; uncertainty lives in the plant alone.
@@ -164,119 +172,66 @@ def linearized_block(
     Diagram
         Inputs ``v[i]`` and the disturbances; outputs the plant's states, its inputs, ``Zi[k]`` and ``singular``.
 
-    Source: A. Isidori, Nonlinear Control Systems, 3rd ed., 1995, section 5.4, doi:10.1007/978-1-84628-615-5.
+    References
+    ----------
+    A. Isidori, *Nonlinear Control Systems*, 3rd ed., 1995, section 5.4, doi:10.1007/978-1-84628-615-5.
     """
     plant = plant or linearization.system
-    own = {one.symbol: one for one in parameters}
-    plant_parameters = [own[one] for one in plant.parameters if one in own]
-    law_parameters = [own[one] for one in linearization.system.parameters if one in own]
-    body = plant_block(plant, "plant", labels=labels, parameters=plant_parameters, starts=starts)
+
+    def used(symbols: Iterable[sp.Symbol]) -> list[Parameter]:
+        return [one for one in parameters if one.symbol in set(symbols)]
+
+    body = plant_block(plant, "plant", labels=labels, parameters=used(plant.parameters), starts=starts)
     loop = inner_loop(
         linearization,
         labels=labels,
         output_units=output_units,
-        parameters=law_parameters,
+        parameters=used(linearization.system.parameters),
         starts=starts,
         guards=guards,
     )
-    states = [_label(one, labels).name for one in plant.states]
-    inputs = [_label(one, labels).name for one in plant.inputs]
-    disturbances = [_label(one, labels).name for one in plant.disturbances]
-    shared = {one.name: [f"{key}.{one.name}" for key, block in _pairs(body, loop) if one in block.parameters] for one in parameters}
-    starts_of = {one.name: f"{key}.{one.name}" for key, block in _pairs(body, loop) for one in block.parameters if one.name not in shared}
-    ordered = [one for one in starts_of if "_start" in one] + [*shared] + [one for one in starts_of if "_start" not in one]
+    states = [one.name for one in body.states]
+    commands = [one.name for one in body.inputs if any(one.name == other.name for other in loop.outputs)]
+    exported: dict[str, list[str]] = {}
+    starts_first = sorted((*body.parameters, *loop.parameters), key=lambda one: not _is_start(one, (body, loop)))
+    for one in starts_first:
+        exported[one.name] = [f"{block.name}.{one.name}" for block in (body, loop) if one in block.parameters]
     return Diagram(
         name,
         description,
         components={"plant": body, "inner_loop": loop},
-        connections={f"plant.{one}": f"inner_loop.{one}" for one in inputs} | {f"inner_loop.{one}": f"plant.{one}" for one in states},
+        connections={f"plant.{one}": f"inner_loop.{one}" for one in commands}
+        | {f"inner_loop.{one}": f"plant.{one}" for one in states},
         inputs={one.name: f"inner_loop.{one.name}" for one in loop.inputs if one.name not in states}
-        | {one: f"plant.{one}" for one in disturbances},
+        | {one.name: f"plant.{one.name}" for one in body.inputs if one.name not in commands},
         outputs={one: f"plant.{one}" for one in states} | {one.name: f"inner_loop.{one.name}" for one in loop.outputs},
-        parameters={one: shared.get(one) or starts_of[one] for one in ordered},
-    )  # fmt: skip
+        parameters=exported,
+    )
 
 
-class _Guard:
-    """Collects the vanishing denominators of a law and what they need: relations, parameters, checks."""
-
-    def __init__(self, given: Mapping[sp.Expr, Parameter]) -> None:
-        self._given = dict(given)
-        self._found: dict[sp.Expr, Parameter] = {}
-
-    def applied(self, expression: sp.Expr) -> sp.Expr:
-        numerator, denominator = sp.fraction(sp.together(expression))
-        if not denominator.free_symbols:
-            return expression
-        if -denominator in self._given:
-            numerator, denominator = -numerator, -denominator
-        if denominator not in self._found:
-            default = Parameter(
-                f"singular_min[{len(self._found) + 1}]", "1", f"guards {denominator} against zero", 0.0, 0.0, tunable=True
+def _chain_outputs(
+    linearization: Linearization, units: Sequence[str], new: Mapping[sp.Symbol, sp.Symbol]
+) -> Iterable[Output]:
+    for i, (unit, chain) in enumerate(zip(units, linearization.chains, strict=True), 1):
+        for k, expression in enumerate(chain):
+            what = f"output {i}" if k == 0 else f"derivative {k} of output {i}"
+            yield Output(
+                f"Z{i}[{k + 1}]", derivative_unit(unit, k), f"chain {i}: {what}", expression.xreplace(dict(new))
             )
-            self._found[denominator] = self._given.get(denominator, default)
-        low = self._found[denominator].symbol
-        high_side, low_side = (one.symbol for one in self._pair(denominator))
-        reciprocal = sp.Piecewise((1 / denominator, sp.Or(high_side, low_side)), (denominator / low**2, True))
-        return numerator * reciprocal
-
-    def _pair(self, denominator: sp.Expr) -> tuple[Relation, Relation]:
-        limit = self._found[denominator]
-        stem = re.sub(r"\W", "_", limit.name)
-        return (
-            Relation(f"above_{stem}", denominator - limit.symbol),
-            Relation(f"below_minus_{stem}", -denominator - limit.symbol, indicator=denominator + limit.symbol),
-        )
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        return tuple(self._found.values())
-
-    @property
-    def relations(self) -> tuple[Relation, ...]:
-        return tuple(one for denominator in self._found for one in self._pair(denominator))
-
-    @property
-    def singular(self) -> sp.Basic:
-        return sp.Or(*(sp.Not(sp.Or(*(one.symbol for one in self._pair(denominator)))) for denominator in self._found))
-
-    @property
-    def description(self) -> str:
-        limits = " or ".join(f"abs({one}) <= {limit.name}" for one, limit in self._found.items())
-        return f"{limits or 'never'}: the linearising law is singular there and guarded"
-
-    @property
-    def checks(self) -> tuple[Check, ...]:
-        return tuple(
-            Check(
-                "singular",
-                sp.Abs(one) > limit.symbol,
-                f"the linearising law is singular at {one} = 0; start away from it or set {limit.name} > 0",
-                when="failure",
-            )
-            for one, limit in self._found.items()
-        )
 
 
-def _zip(first: Sequence[sp.Symbol], second: Sequence[object]) -> zip:  # type: ignore[type-arg]
-    return zip(first, second, strict=True)
-
-
-def _pairs(body: Block, loop: Block) -> tuple[tuple[str, Block], ...]:
-    return (("plant", body), ("inner_loop", loop))
-
-
-def _label(one: sp.Symbol, labels: Labels | None) -> Variable:
-    return (labels or {}).get(one) or Variable(str(one))
+def _labelled(symbols: Iterable[sp.Symbol], labels: Labels | None) -> dict[sp.Symbol, Variable]:
+    return {one: (labels or {}).get(one) or Variable(str(one)) for one in symbols}
 
 
 def _parts(one: Variable) -> tuple[str, str, str]:
     return one.name, one.unit, one.description
 
 
-def _input(one: Variable) -> Input:
-    return Input(*_parts(one))
-
-
 def _start_parameter(one: Variable, value: float) -> Parameter:
-    return Parameter(start_name(one.name), one.unit, f"start value of {one.name}", value)
+    stem, bracket, indices = one.name.partition("[")
+    return Parameter(f"{stem}_start{bracket}{indices}", one.unit, f"start value of {one.name}", value)
+
+
+def _is_start(parameter: Parameter, blocks: Iterable[Block]) -> bool:
+    return any(parameter.symbol in state.start.free_symbols for block in blocks for state in block.states)

@@ -59,12 +59,10 @@ class RelationTable:
         ModelError
             For a switching function that has no such form; the message names it and ``where``.
         """
+        if isinstance(expression, _REFUSED) or expression.has(sp.nan, sp.zoo, sp.I):
+            raise ModelError(f"{where}: {expression} cannot be used in a block; write it with Piecewise or as a mode")
         if isinstance(expression, sp.Symbol | sp.Number | BooleanAtom | sp.NumberSymbol):
             return expression
-        if isinstance(expression, _REFUSED) or expression in (sp.nan, sp.zoo):
-            raise ModelError(
-                f"{where}: {expression} cannot be used in a block; write it with Piecewise, or as a mode with transitions"
-            )
         if isinstance(expression, sp.Piecewise):
             pairs = [(self.lower(value, where), self.lower(condition, where)) for value, condition in expression.args]
             if pairs[-1][1] != sp.true:
@@ -97,4 +95,6 @@ class RelationTable:
     def _mode_comparison(self, expression: Relational, where: str) -> Boolean:
         if expression.free_symbols and expression.free_symbols <= self._modes:
             return expression
-        raise ModelError(f"{where}: {expression} compares real values for equality; only modes may be, use < or > instead")
+        raise ModelError(
+            f"{where}: {expression} compares real values for equality; only modes may be, use < or > instead"
+        )

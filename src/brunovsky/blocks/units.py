@@ -49,7 +49,9 @@ def unit_exponents(unit: str) -> tuple[int, ...]:
             for name, exponent in zip(BASE_UNITS, unit_exponents(DERIVED_UNITS[match[2]]), strict=True):
                 exponents[name] += power * exponent
         elif match[2] != "1":
-            raise ModelError(f"unit '{unit}': '{match[2]}' is unknown; known are {', '.join([*exponents, *DERIVED_UNITS])}")
+            raise ModelError(
+                f"unit '{unit}': '{match[2]}' is unknown; known are {', '.join([*exponents, *DERIVED_UNITS])}"
+            )
     if not unit or position < len(unit):
         raise ModelError(f"unit '{unit}' cannot be read from '{unit[position:]}' on; write it like 'm/s2' or 'kg.m2/s'")
     return tuple(exponents.values())

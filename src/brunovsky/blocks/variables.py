@@ -103,14 +103,10 @@ class Mode(Variable):
 
 @dataclass(frozen=True)
 class Output(Variable):
-    """A value computed from the others: a real expression or a Boolean one."""
+    """A value computed from the others: a real expression, or a Boolean one, which the block finds out."""
 
     expression: sp.Expr | sp.logic.boolalg.Boolean = sp.S.Zero
-
-    @property
-    def is_boolean(self) -> bool:
-        """Whether the output is true or false rather than a number."""
-        return not isinstance(self.expression, sp.Expr)
+    is_boolean: bool = False
 
 
 @dataclass(frozen=True)

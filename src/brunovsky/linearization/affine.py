@@ -6,8 +6,8 @@ from typing import Any
 
 import sympy as sp
 
+from brunovsky._frozen import FrozenMapping
 from brunovsky.errors import ModelError
-from brunovsky.linearization._frozen import FrozenMapping
 from brunovsky.linearization.validation import (
     as_expressions,
     as_matrix,

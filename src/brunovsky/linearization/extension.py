@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
+from brunovsky._frozen import FrozenMapping
 from brunovsky.errors import LinearizationError, ModelError
-from brunovsky.linearization._frozen import FrozenMapping
 from brunovsky.linearization.affine import AffineSystem
 from brunovsky.linearization.naming import integrator_input
 from brunovsky.linearization.rank import generic_rank

@@ -6,9 +6,9 @@ from typing import Any
 
 import sympy as sp
 
+from brunovsky._frozen import FrozenMapping
 from brunovsky.errors import LinearizationError, ModelError
 from brunovsky.linearization import explain as _explain
-from brunovsky.linearization._frozen import FrozenMapping
 from brunovsky.linearization.affine import AffineSystem
 from brunovsky.linearization.extension import Extension, extend
 from brunovsky.linearization.naming import outer_inputs

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
-from brunovsky.blocks import TIME, Block
+from brunovsky.blocks import TIME, Block, Relation, Variable
 
 _ARGUMENTS = "ARGUMENTS"
 _RELATION_ARGUMENTS = (
@@ -28,7 +28,7 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
         self._names = names
 
     def _print_Symbol(self, expr: sp.Symbol) -> str:
-        return self._names.get(expr, expr.name)
+        return self._names.get(expr, str(expr.name))
 
     def _print_Pow(self, expr: sp.Pow) -> str:
         base, exponent = expr.args
@@ -49,14 +49,15 @@ class _Text:
 
     def __init__(self, block: Block) -> None:
         names = {TIME: "t"}
-        for letter, group in (
+        groups: tuple[tuple[str, Sequence[Variable | Relation]], ...] = (
             ("x", block.states),
             ("u", block.inputs),
             ("p", block.parameters),
             ("q", block.samples),
             ("m", block.modes),
             ("r", block.relations),
-        ):
+        )
+        for letter, group in groups:
             names |= {one.symbol: f"{letter}[{index}]" for index, one in enumerate(group)}
         self._printer = _Printer(names)
 
@@ -227,11 +228,9 @@ def _model(block: Block) -> str:
         "nz": block.indicators,
         "transitions": block.transitions,
     }
-    names = (
-        "p_names", "u_names", "x_names", "q_names", "y_names", "p_default", "p_min", "p_max", "u_default", "m_start", "q_rank",
-        "start", "periods", "derivatives", "outputs", "indicators", "relations", "updates", "fire", "start_check",
-        "failure_check", "check_names", "check_messages",
-    )  # fmt: skip
+    tables = "p_names u_names x_names q_names y_names p_default p_min p_max u_default m_start q_rank check_names"
+    functions = "start periods derivatives outputs indicators relations updates fire start_check failure_check"
+    names = f"{tables} check_messages {functions}".split()
     fields = [f".name = {_quoted(block.name)}"]
     fields += [f".{key} = {len(group)}" for key, group in counts.items()]
     fields += [f".ranks = {max((one.rank for one in block.samples), default=-1) + 1}"]

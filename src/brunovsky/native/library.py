@@ -31,7 +31,11 @@ def build_library(block: Block) -> Path:
     """
     text = model_source(block)
     runtime = runtime_folder()
-    parts = [text, *(path.read_text() for path in sorted(runtime.glob("[em]*.[ch]"))), compiler_version(find_compiler())]
+    parts = [
+        text,
+        *(path.read_text() for path in sorted(runtime.glob("[em]*.[ch]"))),
+        compiler_version(find_compiler()),
+    ]
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
     library = cache_folder() / f"{block.name}-{key}{SUFFIX}"
     if not library.exists():
@@ -43,7 +47,7 @@ def build_library(block: Block) -> Path:
     return library
 
 
-_EXPORT = "__declspec(dllexport)" if os.name == "nt" else "__attribute__((visibility(\"default\")))"
+_EXPORT = "__declspec(dllexport)" if os.name == "nt" else '__attribute__((visibility("default")))'
 
 
 class EngineStruct(ctypes.Structure):

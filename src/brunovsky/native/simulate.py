@@ -15,7 +15,7 @@ from brunovsky.errors import ParameterError, SimulationError
 from brunovsky.native.engine import NativeEngine
 
 Signal = float | ArrayLike | Callable[[float], float]
-ENGINES = {"native": NativeEngine, "numpy": NumpyEngine}
+ENGINES: dict[str, type[NativeEngine] | type[NumpyEngine]] = {"native": NativeEngine, "numpy": NumpyEngine}
 
 
 def simulate(
@@ -102,14 +102,18 @@ def _input_table(block: Block, times: Any, inputs: Mapping[str, Signal]) -> Any:
             raise ParameterError(f"{block.name} has no input '{name}'; it has {', '.join(columns) or 'none'}")
         values = np.array([signal(time) for time in times]) if callable(signal) else np.asarray(signal, dtype=float)
         if values.shape not in ((), (len(times),)):
-            raise ParameterError(f"input '{name}' has shape {values.shape}; give one value or {len(times)}, one an instant")
+            raise ParameterError(
+                f"input '{name}' has shape {values.shape}; give one value or {len(times)}, one an instant"
+            )
         if not np.isfinite(values).all():
             raise ParameterError(f"input '{name}' is not finite at every instant")
         table[:, columns[name]] = values
     return table
 
 
-def _dataset(recorded: Mapping[str, tuple[int, Variable]], times: Any, rows: Any, record: Sequence[str] | None) -> xr.Dataset:
+def _dataset(
+    recorded: Mapping[str, tuple[int, Variable]], times: Any, rows: Any, record: Sequence[str] | None
+) -> xr.Dataset:
     data = {}
     for name in record or recorded:
         column, one = recorded[name]

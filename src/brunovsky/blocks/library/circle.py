@@ -32,6 +32,7 @@ def circle() -> Block:
         for k in range(3)
     ]
     jerks = [
-        Output(f"zd3[{i}]", "m/s3", f"reference of z{i}, derivative 3", sp.diff(z, TIME, 3)) for i, z in enumerate(position, 1)
+        Output(f"zd3[{i}]", "m/s3", f"reference of z{i}, derivative 3", sp.diff(z, TIME, 3))
+        for i, z in enumerate(position, 1)
     ]
     return Block("circle", "circular reference", parameters=_PARAMETERS, outputs=(*chains, *jerks))

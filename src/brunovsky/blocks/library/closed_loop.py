@@ -48,14 +48,19 @@ def closed_loop(
     connections |= {f"{target}.{one}": f"reference.{one}" for target in ("controller", "errors") for one in references}
     connections |= {"controller.zd3": "reference.zd3", "plant.v": "controller.v"}
     driven = [one.name for one in parts["controller"].outputs if one.name.startswith("v[")]
+    shown = {
+        "plant": [one.name for one in parts["plant"].outputs],
+        "errors": [one.name for one in parts["errors"].outputs],
+        "controller": sorted((one.name for one in parts["controller"].outputs), key=driven.__contains__),
+    }
+    own = {key: [one.name for one in parts[key].parameters] for key in ("plant", "reference", "controller")}
     return Diagram(
         name,
         "reference, outer loop and linearised robot",
         components=parts,
         connections=connections,
         inputs={one.name: f"plant.{one.name}" for one in parts["plant"].inputs if one.name not in driven},
-        outputs={one.name: f"{key}.{one.name}" for key in ("plant", "errors") for one in parts[key].outputs}
-        | {one.name: f"controller.{one.name}" for one in sorted(parts["controller"].outputs, key=lambda one: one.name in driven)},
-        parameters={one.name: f"{key}.{one.name}" for key in ("plant", "reference", "controller") for one in parts[key].parameters},
+        outputs={one: f"{key}.{one}" for key, names in shown.items() for one in names},
+        parameters={one: f"{key}.{one}" for key, names in own.items() for one in names},
         values=FIGURE_6_OUTSIDE,
-    )  # fmt: skip
+    )

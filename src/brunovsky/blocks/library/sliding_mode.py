@@ -39,7 +39,8 @@ def sliding_mode() -> Block:
     q, p, phi = _Q.symbol, _P.symbol, _PHI.symbol
     surfaces = {i: (sp.Matrix([c]) * tracking_error(i))[0] for i in CHAINS}
     law = {
-        i: (-q * surfaces[i] - p * saturation(surfaces[i], phi) - c[0] * e[1] - c[1] * e[2]) / c[2] + symbol(f"zd3[{i}]")
+        i: (-q * surfaces[i] - p * saturation(surfaces[i], phi) - c[0] * e[1] - c[1] * e[2]) / c[2]
+        + symbol(f"zd3[{i}]")
         for i, e in ((i, tracking_error(i)) for i in CHAINS)
     }
     return Block(
@@ -52,7 +53,9 @@ def sliding_mode() -> Block:
             *(Output(f"S[{i}]", "m/s2", f"sliding variable of chain {i}", surfaces[i]) for i in CHAINS),
         ),
         checks=(
-            Check("surface gain", sp.Ne(c[2], 0), "C[3] = 0 leaves v out of the surface; set C[3] to another value, 1 say"),
+            Check(
+                "surface gain", sp.Ne(c[2], 0), "C[3] = 0 leaves v out of the surface; set C[3] to another value, 1 say"
+            ),
             Check(
                 "sign function",
                 sp.Or(phi > 0, sp.Eq(p, 0)),

@@ -1,0 +1,34 @@
+# make run    the paper's comparison on a native FMU; make test  the test suite; both in .venv
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: run test lint docs clean
+run: $(VENV)/installed
+	$(BIN)/brunovsky build -o build
+	$(BIN)/brunovsky compare comparisons/paper.toml -o build/paper
+
+test: $(VENV)/installed-tests
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/installed-dev
+	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
+
+docs: $(VENV)/installed-dev
+	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html
+
+clean:
+	rm -rf build docs/_build $(VENV)
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "brunovsky needs Python 3.11 or newer; name one with make PYTHON=python3.12"; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+
+# One mark for each set of extras; a newer pyproject.toml or constraints.txt installs again.
+$(VENV)/installed: EXTRAS :=
+$(VENV)/installed-tests: EXTRAS := [test]
+$(VENV)/installed-dev: EXTRAS := [dev]
+$(VENV)/installed $(VENV)/installed-tests $(VENV)/installed-dev: pyproject.toml constraints.txt | $(BIN)/python
+	$(BIN)/python -m pip install --disable-pip-version-check --progress-bar off -q -c constraints.txt -e '.$(EXTRAS)'
+	@touch $@

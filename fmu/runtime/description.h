@@ -1,0 +1,20 @@
+/* What an FMU knows of its description beside the model: generated with the modelDescription.xml.
+ *
+ * Value references follow from the model's counts alone, one numbering for all types: 0 time, 1 step_size, 2 solver,
+ * and from 3 on parameters, inputs, outputs, states, samples, modes, derivatives.
+ */
+#ifndef BRUNOVSKY_DESCRIPTION_H
+#define BRUNOVSKY_DESCRIPTION_H
+
+typedef enum { REAL, INTEGER, BOOLEAN } Type;
+
+typedef struct {
+    const char *token;           /* identifies the description: the guid of FMI 2 */
+    const char *const *m_names;
+    const Type *y_types;
+    const int *p_tunable;        /* 0 or 1 */
+} Description;
+
+extern const Description brunovsky_description;
+
+#endif

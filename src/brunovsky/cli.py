@@ -1,0 +1,197 @@
+"""The command line: derive, build, compare, list.
+
+Exit status 0 on success, 1 on a failed check, 2 on unusable input, 130 on Ctrl-C, with one readable line and no
+traceback unless ``--debug``.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+import brunovsky as br
+from brunovsky._resources import resource
+from brunovsky.comparison import compare_study
+from brunovsky.errors import BrunovskyError
+from brunovsky.fmi import export_fmu, load_manifest
+
+app = typer.Typer(
+    name="brunovsky",
+    help="Feedback linearisation, sliding-mode and linear outer loops, FMUs and comparison reports.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+T = TypeVar("T")
+_out = Console(highlight=False)
+_err = Console(stderr=True, highlight=False)
+
+SYSTEMS: Mapping[str, Callable[[], br.Linearization]] = {"robot": br.blocks.robot_linearization}
+BLOCKS: Mapping[str, Callable[[], br.Block]] = {
+    name: getattr(br.blocks, name)
+    for name in ("robot", "linearized_robot", "circle", "sliding_mode", "pole_placement", "closed_loop")
+}
+
+
+class Engine(StrEnum):
+    """What runs a comparison."""
+
+    native = "native"
+    fmpy = "fmpy"
+
+
+class FmiVersion(StrEnum):
+    """FMI versions that can be exported."""
+
+    two = "2"
+
+
+class Platform(StrEnum):
+    """Platforms that can be exported for."""
+
+    host = "host"
+
+
+@app.callback()
+def _options(
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+) -> None:
+    """Accept the options that hold for all commands; ``--debug`` is read by :func:`main`."""
+
+
+@app.command()
+def derive(
+    system: Annotated[str, typer.Argument(help="A system that ships; see `brunovsky list`.")] = "robot",
+    latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX instead of plain text.")] = False,
+) -> None:
+    """Print the derivation: relative degree, extension, F, G, det G, law."""
+    linearization = _known(system, SYSTEMS, "system")()
+    sys.stdout.write((linearization.latex() if latex else linearization.explain()).rstrip() + "\n")
+
+
+@app.command()
+def build(
+    blocks: Annotated[
+        list[str] | None, typer.Argument(metavar="[BLOCK]...", help="By default the FMUs that ship.")
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder; the FMUs go to its fmi2/.")] = Path("build"),
+    fmi: Annotated[FmiVersion, typer.Option("--fmi", help="FMI version.")] = FmiVersion.two,
+    platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
+) -> None:
+    """Build FMUs: co-simulation and model exchange in one file, no interpreter inside."""
+    names = blocks or list(load_manifest())
+    chosen = {name: _known(name, BLOCKS, "block") for name in names}
+    with _progress() as progress:
+        task = progress.add_task("building FMUs", total=len(chosen))
+        paths = []
+        for name, make in chosen.items():
+            progress.update(task, description=f"building {name}")
+            path = output / f"fmi{fmi.value}" / f"{name}.fmu"
+            paths.append(export_fmu(make(), path, fmi_version=int(fmi.value), platforms=(platform.value,)))
+            progress.advance(task)
+        progress.update(task, description="building FMUs")
+    for path in paths:
+        _say(str(path))
+
+
+@app.command()
+def compare(
+    study: Annotated[Path, typer.Argument(help="Study file (TOML), or the name of one that ships.")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder; by default build/STUDY.")] = None,
+    engine: Annotated[
+        Engine | None, typer.Option("--engine", help="What runs the study, in place of its own choice.")
+    ] = None,
+) -> None:
+    """Run a study and write its report and metrics."""
+    path = study if study.suffix == ".toml" else _shipped_study(str(study))
+    folder = output or Path("build") / path.stem
+    with _progress() as progress:
+        task = progress.add_task("reading the study", total=None)
+
+        def show(done: int, total: int, what: str) -> None:
+            progress.update(task, completed=done, total=total, description=what)
+
+        written = compare_study(path, folder, engine=engine.value if engine else None, progress=show)
+    for one in written:
+        _say(str(one))
+
+
+@app.command("list")
+def list_() -> None:
+    """List the systems, blocks and studies that ship."""
+    shipped = load_manifest()
+    table = Table("kind", "name", "what it is", box=None, pad_edge=False)
+    for name, make in SYSTEMS.items():
+        degree = make().relative_degree
+        table.add_row("system", name, f"relative degree {degree} after dynamic extension")
+    for name, block in BLOCKS.items():
+        table.add_row("block", name, escape(block().description) + (" (FMU)" if name in shipped else ""))
+    for path in sorted(resource("comparisons").glob("*.toml")):
+        table.add_row("study", path.stem, _first_title(path))
+    _out.print(table)
+
+
+def _first_title(path: Path) -> str:
+    from brunovsky.comparison import load_study
+
+    return escape(load_study(path).title)
+
+
+def _known(name: str, known: Mapping[str, T], kind: str) -> T:
+    if name not in known:
+        raise BrunovskyError(f"there is no {kind} '{name}'; there are {', '.join(known)}")
+    return known[name]
+
+
+def _shipped_study(name: str) -> Path:
+    folder = resource("comparisons")
+    path = folder / f"{name}.toml"
+    if not path.exists():
+        known = ", ".join(sorted(one.stem for one in folder.glob("*.toml")))
+        raise BrunovskyError(f"there is no study '{name}'; give a .toml file or one that ships: {known}")
+    return path
+
+
+def _say(text: str) -> None:
+    _out.print(escape(text), soft_wrap=True)
+
+
+def _progress() -> Progress:
+    columns = (TextColumn("{task.description:<44}"), BarColumn(), TextColumn("{task.completed}/{task.total}"))
+    return Progress(*columns, TimeElapsedColumn(), console=_err, transient=False)
+
+
+def main() -> None:
+    """Entry point of the ``brunovsky`` command."""
+    debug = "--debug" in sys.argv
+    try:
+        app(standalone_mode=False)
+    except BrunovskyError as error:
+        if debug:
+            raise
+        _fail(str(error), 2)
+    except OSError as error:
+        if debug:
+            raise
+        _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error), 2)
+    except (KeyboardInterrupt, typer.Abort):
+        _fail("stopped", 130)
+    except Exception as error:
+        if debug or not hasattr(error, "format_message"):  # what typer raises for a wrong call has this
+            raise
+        _fail(error.format_message(), 2)
+
+
+def _fail(message: str, status: int) -> None:
+    _err.print(f"brunovsky: {escape(message)}", soft_wrap=True)
+    sys.exit(status)
