@@ -1,21 +1,27 @@
 """Dynamic extension: integrators on inputs that appear too early, until the decoupling matrix is regular.
 
-This is the dynamic extension algorithm where permuting the inputs does what in general takes a state-dependent
-transformation of them. `choose_inputs` is the rule, the rest does not know it.
+`choose_inputs` is the rule, the rest does not know it. Why the rounds end: with n states and relative degrees r_i the
+y_i^(k), k < r_i, are sum(r_i) functions of the state. Each round appends as many states as the dependent rows of the
+decoupling matrix have rank and adds at least one to each of their outputs' degrees, so n - sum(r_i) falls. Once it is
+negative, or the functions' differentials are dependent, the outputs satisfy a differential equation whatever the
+inputs are: the system is not right-invertible and no extension helps.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import sympy as sp
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.errors import LinearizationError, ModelError
 from brunovsky.linearization.affine import AffineSystem
+from brunovsky.linearization.input_transformation import InputTransformation, find_transformation
 from brunovsky.linearization.naming import integrator_input
 from brunovsky.linearization.rank import generic_rank
 from brunovsky.linearization.relative_degree import OutputDerivatives, differentiate_outputs
+from brunovsky.linearization.simplify import tidy
 
 
 @dataclass(frozen=True)
@@ -36,6 +42,8 @@ class ExtensionStep:
         The inputs that become states.
     inputs : tuple of sympy.Symbol
         Their derivatives, the new inputs, in the same order.
+    transformation : InputTransformation, optional
+        The transformation of the inputs that went before, so that `delayed` are its new inputs.
     """
 
     system: AffineSystem
@@ -44,6 +52,7 @@ class ExtensionStep:
     outputs: tuple[int, ...]
     delayed: tuple[sp.Symbol, ...]
     inputs: tuple[sp.Symbol, ...]
+    transformation: InputTransformation | None = None
 
 
 @dataclass(frozen=True)
@@ -79,14 +88,30 @@ class Extension:
 
     @property
     def integrators(self) -> FrozenMapping[sp.Symbol, int]:
-        """Number of integrators in front of each input of the original system that has any."""
-        origin = {symbol: symbol for symbol in self.original.inputs}
+        """Number of integrators in front of each input, original or new by a transformation, that has any."""
+        origin: dict[sp.Symbol, sp.Symbol] = {}
         count: Counter[sp.Symbol] = Counter()
         for step in self.steps:
             for old, new in zip(step.delayed, step.inputs, strict=True):
-                origin[new] = origin[old]
-                count[origin[old]] += 1
+                origin[new] = origin.get(old, old)
+                count[origin[new]] += 1
         return FrozenMapping(count)
+
+    @property
+    def transformations(self) -> tuple[InputTransformation, ...]:
+        """The transformations of the inputs, in order; none where inputs themselves could be delayed."""
+        return tuple(step.transformation for step in self.steps if step.transformation)
+
+    @property
+    def input_map(self) -> FrozenMapping[sp.Symbol, sp.Expr]:
+        """Every input of the original system in the states and inputs of the extended one.
+
+        An input that was delayed is a state; one that a transformation replaced is an expression.
+        """
+        inputs: dict[sp.Symbol, sp.Expr] = {symbol: symbol for symbol in self.original.inputs}
+        for transformation in self.transformations:
+            inputs = {symbol: tidy(u.xreplace(dict(transformation.replaced))) for symbol, u in inputs.items()}
+        return FrozenMapping(inputs)
 
 
 def add_integrators(system: AffineSystem, inputs: Sequence[sp.Symbol]) -> AffineSystem:
@@ -146,9 +171,9 @@ def dependent_rows(matrix: sp.Matrix) -> tuple[int, ...]:
 
 
 def choose_inputs(
-    system: AffineSystem, derivatives: OutputDerivatives
-) -> tuple[tuple[int, ...], tuple[sp.Symbol, ...]]:
-    """Say which outputs are in conflict and which inputs to delay.
+    system: AffineSystem, derivatives: OutputDerivatives, operating_point: Mapping[str, Any]
+) -> tuple[tuple[int, ...], tuple[sp.Symbol, ...], InputTransformation | None]:
+    """Say which outputs are in conflict and which inputs to delay, if need be after a transformation.
 
     The rows of G that depend on each other show all there is of some outputs' dependence on the inputs: as many
     independent combinations of inputs as these rows have rank. Those combinations appear too early and get an
@@ -161,41 +186,59 @@ def choose_inputs(
         The system.
     derivatives : OutputDerivatives
         Its relative degree and singular decoupling matrix.
+    operating_point : mapping of str to number
+        Where a transformation of the inputs must be regular if it can.
 
     Returns
     -------
     outputs : tuple of int
         The outputs, counted from 0, whose rows are dependent.
     inputs : tuple of sympy.Symbol
-        The inputs to delay.
+        The inputs to delay, of the system or of the transformation.
+    transformation : InputTransformation or None
+        Of the inputs, where the rows contain more inputs than they have rank.
 
     Raises
     ------
     LinearizationError
-        If the rows contain more inputs than they have rank: a transformation of the inputs would be needed.
+        If the system is not right-invertible.
 
     References
     ----------
     A. Isidori, *Nonlinear Control Systems*, 3rd ed., 1995, section 5.4, doi:10.1007/978-1-84628-615-5;
     J. Descusse and C. H. Moog, "Decoupling with dynamic compensation for strong invertible affine non-linear
-    systems", *Int. J. Control* 42 (1985) 1387-1398.
+    systems", *Int. J. Control* 42 (1985) 1387-1398, doi:10.1080/00207178508933434.
     """
     gains = derivatives.decoupling_matrix
     outputs = dependent_rows(gains)
     rows = gains.extract(list(outputs), list(range(gains.cols)))
-    inputs = tuple(symbol for j, symbol in enumerate(system.inputs) if any(entry != 0 for entry in rows.col(j)))
     rank = generic_rank(rows)
-    if len(inputs) > rank:
+    _check_invertible(system, derivatives, outputs, rank)
+    inputs = tuple(symbol for j, symbol in enumerate(system.inputs) if any(entry != 0 for entry in rows.col(j)))
+    if len(inputs) == rank:
+        return outputs, inputs, None
+    transformation = find_transformation(system, rows, operating_point)
+    return outputs, tuple(transformation.combinations), transformation
+
+
+def _check_invertible(
+    system: AffineSystem, derivatives: OutputDerivatives, outputs: tuple[int, ...], rank: int
+) -> None:
+    """Refuse outputs between which a differential equation holds whatever the inputs (see the top of this file)."""
+    total = sum(derivatives.relative_degree)
+    spare = len(system.states) - total - (len(outputs) - rank)
+    functions = sp.Matrix([function for chain in derivatives.chains for function in chain])
+    if spare < 0 or generic_rank(functions.jacobian(sp.Matrix(system.states))) < total:
         raise LinearizationError(
-            f"the decoupling matrix is singular and no choice of inputs to delay mends it: the outputs "
-            f"{_numbers(outputs)} depend on {len(inputs)} inputs ({', '.join(map(str, inputs))}) through only {rank} "
-            "combination(s) of them. A state-dependent transformation of the inputs would be needed, which is not "
-            "supported; rewrite the system with such a combination as one of its inputs, or choose other outputs"
+            f"the system is not right-invertible: its rank is less than its number of outputs ({len(system.outputs)}), "
+            f"that is, the outputs {_numbers(outputs)} satisfy a differential equation whatever the inputs are, and no "
+            "dynamic extension makes the decoupling matrix regular; choose other outputs"
         )
-    return outputs, inputs
 
 
-def extend(system: AffineSystem, max_extensions: int) -> Extension:
+def extend(
+    system: AffineSystem, max_extensions: int, operating_point: Mapping[str, Any] | None = None
+) -> Extension:
     """Add integrators round by round until the decoupling matrix is generically nonsingular.
 
     Parameters
@@ -204,6 +247,8 @@ def extend(system: AffineSystem, max_extensions: int) -> Extension:
         A system with as many outputs as inputs.
     max_extensions : int
         The most rounds to try.
+    operating_point : mapping of str to number, optional
+        Values of states and parameters by name, where transformations of inputs should be regular.
 
     Returns
     -------
@@ -213,7 +258,7 @@ def extend(system: AffineSystem, max_extensions: int) -> Extension:
     Raises
     ------
     LinearizationError
-        If an output has no finite relative degree, the inputs would have to be transformed, or the matrix is still
+        If an output has no finite relative degree, the system is not right-invertible, or the matrix is still
         singular after the last round; the message says at which round.
     """
     original = system
@@ -224,17 +269,18 @@ def extend(system: AffineSystem, max_extensions: int) -> Extension:
             rank = generic_rank(derivatives.decoupling_matrix)
             if rank == len(system.outputs):
                 return Extension(original, tuple(steps), system, derivatives)
+            outputs, delayed, transformation = choose_inputs(system, derivatives, operating_point or {})
             if len(steps) == max_extensions:
+                rounds = len(system.states) - sum(derivatives.relative_degree)
                 raise LinearizationError(
-                    f"the decoupling matrix is still singular (rank {rank} of {len(system.outputs)}); the outputs may "
-                    "depend on each other: choose others, or raise max_extensions"
+                    f"the decoupling matrix is still singular (rank {rank} of {len(system.outputs)}); raise "
+                    f"max_extensions: at most {rounds} more can be needed"
                 )
-            outputs, delayed = choose_inputs(system, derivatives)
         except LinearizationError as error:
             raise LinearizationError(f"{_place(steps)}: {error}") from None
-        extended = add_integrators(system, delayed)
+        extended = add_integrators(transformation.apply(system) if transformation else system, delayed)
         inputs = extended.inputs[len(system.inputs) - len(delayed) :]
-        steps.append(ExtensionStep(system, derivatives, rank, outputs, delayed, inputs))
+        steps.append(ExtensionStep(system, derivatives, rank, outputs, delayed, inputs, transformation))
         system = extended
 
 

@@ -136,7 +136,8 @@ def linearize(
     {torque: v1 + sin(angle)}
     """
     _check_arguments(system, max_extensions)
-    extension = extend(system, max_extensions)
+    names = {str(key): value for key, value in (operating_point or {}).items()}
+    extension = extend(system, max_extensions, names)
     extended, derivatives = extension.system, extension.derivatives
     gains, drift_term = derivatives.decoupling_matrix, derivatives.drift_term
     determinant = factored(gains.det(method="berkowitz"))

@@ -1,8 +1,8 @@
-"""Names of the symbols that a linearisation adds: inputs of integrators (w) and outer inputs (v)."""
+"""Names of the symbols that a linearisation adds: inputs of integrators (w), transformed (mu), outer inputs (v)."""
 
 import itertools
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 import sympy as sp
 
@@ -23,10 +23,21 @@ def integrator_input(delayed: sp.Symbol, taken: Collection[str]) -> sp.Symbol:
 
 def outer_inputs(inputs: tuple[sp.Symbol, ...], count: int, taken: Collection[str]) -> tuple[sp.Symbol, ...]:
     """Symbols v1, …, v_count; nu1, … or nu2_1, … where one of those names is taken; real if all inputs are."""
-    stems = itertools.chain(("v", "nu"), (f"nu{number}_" for number in itertools.count(2)))
+    return numbered(itertools.chain(("v", "nu"), (f"nu{number}_" for number in itertools.count(2))), inputs, count, taken)
+
+
+def transformed_inputs(inputs: tuple[sp.Symbol, ...], count: int, taken: Collection[str]) -> tuple[sp.Symbol, ...]:
+    """Symbols mu1, …, mu_count; mu2_1, … where one of those names is taken; real if all inputs are."""
+    return numbered(itertools.chain(("mu",), (f"mu{number}_" for number in itertools.count(2))), inputs, count, taken)
+
+
+def numbered(
+    stems: Iterable[str], like: tuple[sp.Symbol, ...], count: int, taken: Collection[str]
+) -> tuple[sp.Symbol, ...]:
+    """Symbols STEM1, …, STEM_count with the first stem of which no name is taken; real if all of `like` are."""
     candidates = ([f"{stem}{index}" for index in range(1, count + 1)] for stem in stems)
     names = next(names for names in candidates if not set(names) & set(taken))
-    return tuple(_like(inputs, name) for name in names)
+    return tuple(_like(like, name) for name in names)
 
 
 def _like(symbols: tuple[sp.Symbol, ...], name: str) -> sp.Symbol:

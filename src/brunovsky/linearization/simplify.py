@@ -54,9 +54,23 @@ def _pythagoras(quotient: sp.Expr) -> sp.Expr:
 
 
 def _reduce(quotient: sp.Expr, eliminated: sp.Expr, kept: sp.Expr) -> sp.Expr:
-    """Numerator and denominator modulo eliminated^2 + kept^2 - 1, at most linear in the eliminated function."""
+    """Numerator and denominator with even powers of one function written in the other: at most linear in it."""
     numerator, denominator = (
-        sp.rem(part, eliminated**2 + kept**2 - 1, eliminated) if part.has(eliminated) else part
+        _even_powers_replaced(part, eliminated, 1 - kept**2) if part.has(eliminated) else part
         for part in sp.fraction(quotient)
     )
     return quotient if denominator == 0 else numerator / denominator
+
+
+def _even_powers_replaced(part: sp.Expr, function: sp.Expr, square: sp.Expr) -> sp.Expr:
+    polynomial = sp.Poly(part)
+    if function not in polynomial.gens:  # it occurs only within another function
+        return part
+    position = polynomial.gens.index(function)
+    by_power: dict[int, dict[tuple[int, ...], sp.Expr]] = {}
+    for powers, coefficient in polynomial.terms():
+        halves, odd = divmod(powers[position], 2)
+        left = (*powers[:position], odd, *powers[position + 1 :])
+        by_power.setdefault(halves, {})[left] = coefficient
+    rest = {halves: sp.Poly.from_dict(terms, *polynomial.gens).as_expr() for halves, terms in by_power.items()}
+    return sp.expand(sp.Add(*(square**halves * factor for halves, factor in rest.items())))

@@ -1,0 +1,125 @@
+"""State-dependent static transformation of the inputs, u = beta(x) u_new.
+
+Where outputs depend on more inputs than they have independent rows in the decoupling matrix, it is combinations of
+inputs that appear too early. Making those combinations inputs themselves lets an integrator go in front of them.
+"""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from brunovsky._frozen import FrozenMapping
+from brunovsky.linearization.affine import AffineSystem
+from brunovsky.linearization.naming import transformed_inputs
+from brunovsky.linearization.rank import generic_rank
+from brunovsky.linearization.simplify import factored, tidy
+
+
+@dataclass(frozen=True)
+class InputTransformation:
+    """Some inputs replaced by as many combinations of the inputs, with coefficients that depend on the state.
+
+    Parameters
+    ----------
+    combinations : mapping of sympy.Symbol to sympy.Expr
+        Each new input as a combination of the old ones, its unit being theirs times the coefficients'.
+    replaced : mapping of sympy.Symbol to sympy.Expr
+        Each input that goes, in the new inputs and those that stay.
+    determinant : sympy.Expr
+        Where it vanishes the combinations do not determine the inputs that go.
+    """
+
+    combinations: Mapping[sp.Symbol, sp.Expr]
+    replaced: Mapping[sp.Symbol, sp.Expr]
+    determinant: sp.Expr
+
+    def apply(self, system: AffineSystem) -> AffineSystem:
+        """Return the system with the new inputs, each in the place of one that it replaces."""
+        names = dict(zip(self.replaced, self.combinations, strict=True))
+        inputs = tuple(names.get(symbol, symbol) for symbol in system.inputs)
+        old = sp.Matrix([self.replaced.get(symbol, symbol) for symbol in system.inputs])
+        gains = (system.input_matrix * old.jacobian(sp.Matrix(inputs))).applyfunc(tidy)
+        return replace(system, inputs=inputs, input_matrix=gains)
+
+
+def find_transformation(
+    system: AffineSystem, rows: sp.Matrix, operating_point: Mapping[str, Any]
+) -> InputTransformation:
+    """Make the independent combinations of inputs in some rows of the decoupling matrix inputs themselves.
+
+    Each combination is a row without the factors that its entries share. Of the inputs that occur, those go whose
+    coefficients have the determinant that does not vanish at the operating point and is shortest.
+
+    Parameters
+    ----------
+    system : AffineSystem
+        The system (m inputs).
+    rows : sympy.Matrix, shape (k, m)
+        The rows, of generic rank less than the number of inputs that occur in them.
+    operating_point : mapping of str to number
+        Values of states and parameters by name; may be empty.
+
+    Returns
+    -------
+    InputTransformation
+        From as many inputs as the rows have rank.
+
+    References
+    ----------
+    A. Isidori, *Nonlinear Control Systems*, 3rd ed., 1995, section 5.4, doi:10.1007/978-1-84628-615-5;
+    H. Nijmeijer and A. van der Schaft, *Nonlinear Dynamical Control Systems*, 1990, chapter 8,
+    doi:10.1007/978-1-4757-2101-0.
+    """
+    basis = _shortest_basis([_primitive(rows.row(i)) for i in range(rows.rows)], generic_rank(rows))
+    columns, determinant = _pivots(basis, operating_point)
+    pivots = basis.extract(list(range(basis.rows)), list(columns))
+    if determinant.could_extract_minus_sign():
+        basis, pivots, determinant = _negated(basis, 0), _negated(pivots, 0), -determinant
+    new = transformed_inputs(system.inputs, len(columns), {str(symbol) for symbol in _symbols(system)})
+    old = [system.inputs[column] for column in columns]
+    stays = basis * sp.Matrix([0 if symbol in old else symbol for symbol in system.inputs])
+    solved = pivots.adjugate() * (sp.Matrix(new) - stays)
+    return InputTransformation(
+        combinations=FrozenMapping(dict(zip(new, basis * sp.Matrix(system.inputs), strict=True))),
+        replaced=FrozenMapping({s: tidy(part / determinant) for s, part in zip(old, solved, strict=True)}),
+        determinant=determinant,
+    )
+
+
+def _primitive(row: sp.Matrix) -> sp.Matrix:
+    """Row times the common denominator of its entries, without their common factors."""
+    numerators, denominators = zip(*(sp.fraction(sp.together(entry)) for entry in row), strict=True)
+    common = sp.lcm_list(list(denominators))
+    entries = [sp.cancel(n * common / d) for n, d in zip(numerators, denominators, strict=True)]
+    divisor = sp.gcd_list(entries)
+    return sp.Matrix([[tidy(entry / divisor) for entry in entries]]) if divisor != 0 else sp.Matrix([entries])
+
+
+def _shortest_basis(rows: Sequence[sp.Matrix], rank: int) -> sp.Matrix:
+    chosen: list[sp.Matrix] = []
+    for row in sorted(rows, key=lambda row: sum(int(sp.count_ops(entry)) for entry in row)):
+        if generic_rank(sp.Matrix.vstack(*chosen, row)) > len(chosen):
+            chosen.append(row)
+    return sp.Matrix.vstack(*chosen[:rank])
+
+
+def _pivots(basis: sp.Matrix, operating_point: Mapping[str, Any]) -> tuple[tuple[int, ...], sp.Expr]:
+    candidates = []
+    for columns in itertools.combinations(range(basis.cols), basis.rows):
+        determinant = factored(basis.extract(list(range(basis.rows)), list(columns)).det(method="berkowitz"))
+        if determinant != 0:
+            point = {s: operating_point[s.name] for s in determinant.free_symbols if s.name in operating_point}
+            candidates.append((determinant.subs(point) == 0, int(sp.count_ops(determinant)), columns, determinant))
+    _, _, columns, determinant = min(candidates, key=lambda candidate: candidate[:3])
+    return columns, determinant
+
+
+def _negated(matrix: sp.Matrix, row: int) -> sp.Matrix:
+    return sp.diag(*(-1 if i == row else 1 for i in range(matrix.rows))) * matrix
+
+
+def _symbols(system: AffineSystem) -> tuple[sp.Symbol, ...]:
+    return (*system.states, *system.inputs, *system.parameters, *system.disturbances)
