@@ -90,7 +90,7 @@ def _polar(equations: list[sp.Expr], unknown: set[sp.Symbol]) -> Found | None:
             rest = [*_without(equations, one, two), sine.args[0] - sp.atan2(p, q)]
             if modulus == 1:
                 return {}, rest, []
-            return {}, [*rest, modulus - sp.sqrt(p**2 + q**2)], [modulus]
+            return {}, [*rest, modulus - sp.sqrt(_short(p**2 + q**2))], [modulus]
     return None
 
 
@@ -110,28 +110,54 @@ def _quotient(equations: list[sp.Expr], unknown: set[sp.Symbol]) -> Found | None
 
 
 def _combination(equations: list[sp.Expr], unknown: set[sp.Symbol]) -> Found | None:
-    """Eliminate all products of unknowns but one from some equations."""
+    """Combine some equations so that each of as many of them as possible has one product of unknowns."""
     terms = [_terms(equation, frozenset(unknown)) for equation in equations]
-    sums = {i for i, found in enumerate(terms) if len(found) > 2}  # 1 and two products or more
+    single = [len(found) == 2 for found in terms]  # 1 and a product
     for size in range(2, _LARGEST + 1):
         for chosen in itertools.combinations(range(len(equations)), size):
-            if sums.isdisjoint(chosen):
+            if all(single[i] for i in chosen):
                 continue
-            products = sorted({product for i in chosen for product in terms[i]} - {sp.S.One}, key=sp.default_sort_key)
-            matrix = sp.Matrix([[terms[i].get(product, sp.S.Zero) for product in products] for i in chosen])
-            rank = generic_rank(matrix)
-            for column, product in enumerate(products):
-                others = matrix.copy()
-                others.col_del(column)
-                if generic_rank(others) == rank:
-                    continue
-                for weights in map(_without_denominators, others.T.nullspace(simplify=tidy)):
-                    gain = tidy((weights.T * matrix.col(column))[0])
-                    used = [i for weight, i in zip(weights, chosen, strict=True) if weight != 0 and i in sums]
-                    if gain != 0 and used:
-                        rest = sum(w * terms[i].get(sp.S.One, 0) for w, i in zip(weights, chosen, strict=True))
-                        return {}, [*_without(equations, equations[used[0]]), product + _short(rest / gain)], []
+            isolated = _isolate([terms[i] for i in chosen])
+            if len(isolated) <= sum(single[i] for i in chosen):
+                continue
+            replaced = _independent_rows(sp.Matrix.hstack(*(weights for weights, _ in isolated)))
+            rest = _without(equations, *(equations[chosen[i]] for i in replaced))
+            return {}, [*rest, *(equation for _, equation in isolated)], []
     return None
+
+
+def _isolate(terms: list[Terms]) -> list[tuple[sp.Matrix, sp.Expr]]:
+    """Weights of equations in which one product of unknowns is left, and what they give, once per product."""
+    products = sorted({product for found in terms for product in found} - {sp.S.One}, key=sp.default_sort_key)
+    matrix = sp.Matrix([[found.get(product, sp.S.Zero) for product in products] for found in terms])
+    if generic_rank(matrix) < matrix.rows:
+        return []
+    isolated = []
+    for column, product in enumerate(products):
+        others = matrix.copy()
+        others.col_del(column)
+        spanning = others[:, list(_independent_rows(others.T))]
+        if spanning.cols == matrix.rows - 1:
+            weights = _without_denominators(_orthogonal(spanning))
+            gain = tidy((weights.T * matrix.col(column))[0])
+            rest = sum(weight * found.get(sp.S.One, 0) for weight, found in zip(weights, terms, strict=True))
+            isolated.append((weights, product + _short(rest / gain)))
+    return isolated
+
+
+def _independent_rows(matrix: sp.Matrix) -> tuple[int, ...]:
+    chosen: list[int] = []
+    for row in range(matrix.rows):
+        if generic_rank(matrix[[*chosen, row], :]) > len(chosen):
+            chosen.append(row)
+    return tuple(chosen)
+
+
+def _orthogonal(matrix: sp.Matrix) -> sp.Matrix:
+    """Vector orthogonal to the k - 1 independent columns of k entries: the cofactors."""
+    rows = range(matrix.rows)
+    minors = [matrix[[i for i in rows if i != row], :].det(method="berkowitz") for row in rows]
+    return sp.Matrix([(-1) ** row * minor for row, minor in zip(rows, minors, strict=True)])
 
 
 def _without_denominators(vector: sp.Matrix) -> sp.Matrix:
