@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -12,8 +13,11 @@ from brunovsky.linearization import explain as _explain
 from brunovsky.linearization.affine import AffineSystem
 from brunovsky.linearization.extension import Extension, extend
 from brunovsky.linearization.naming import outer_inputs
+from brunovsky.linearization.normal_form import NormalForm, find_normal_form
+from brunovsky.linearization.numeric import point_of
+from brunovsky.linearization.rank import generic_rank
 from brunovsky.linearization.simplify import factored, tidy
-from brunovsky.linearization.validation import resolve
+from brunovsky.linearization.zero_dynamics import ZeroDynamics, find_zero_dynamics
 
 _ZERO = 1e-12
 
@@ -71,11 +75,57 @@ class Linearization:
         return sum(self.relative_degree) == len(self.extended_system.states)
 
     @property
+    def input_map(self) -> FrozenMapping[sp.Symbol, sp.Expr]:
+        """Every input of the plant in the states and inputs of the extended system."""
+        return self.extension.input_map
+
+    @property
     def singular_locus(self) -> Any:
-        """Where the law does not exist: Eq(product of the factors of det G that may vanish, 0), or false."""
-        numerator = sp.fraction(self.determinant)[0]
-        factors = [factor for factor, _ in sp.factor_list(numerator)[1] if not factor.is_nonzero]
+        """Where the law does not exist: Eq(product of the factors of its determinants that may vanish, 0), or false.
+
+        The determinants are that of G and those of the transformations of the inputs.
+        """
+        determinants = (self.determinant, *(one.determinant for one in self.extension.transformations))
+        factors = {
+            factor: None
+            for determinant in determinants
+            for factor, _ in sp.factor_list(sp.fraction(determinant)[0])[1]
+            if not factor.is_nonzero
+        }
         return sp.Eq(sp.Mul(*factors), 0) if factors else sp.false
+
+    @cached_property
+    def normal_form(self) -> NormalForm:
+        """The chains as coordinates, with a complement where they are not all, and the inverse where it is found."""
+        return find_normal_form(self.extended_system, self.chains)
+
+    @cached_property
+    def zero_dynamics(self) -> ZeroDynamics | None:
+        """What moves while the outputs are constant; None where the linearisation is full."""
+        if self.is_full:
+            return None
+        law = {symbol: part.subs(dict.fromkeys(self.outer_inputs, 0)) for symbol, part in self.law.items()}
+        return find_zero_dynamics(self.extended_system, self.normal_form, law)
+
+    def is_minimum_phase(self, point: Mapping[sp.Symbol | str, Any]) -> bool:
+        """Whether the zero dynamics are stable in first approximation at an equilibrium; true where there are none.
+
+        Parameters
+        ----------
+        point : mapping of sympy.Symbol or str to number
+            Values of the states of the extended system and of the parameters, in their units.
+
+        Returns
+        -------
+        bool
+            False also where an eigenvalue lies on the imaginary axis.
+
+        Raises
+        ------
+        LinearizationError
+            If the point is no equilibrium of the zero dynamics.
+        """
+        return self.zero_dynamics is None or self.zero_dynamics.is_minimum_phase(point)
 
     def explain(self) -> str:
         """Return the derivation step by step, as on the board, as plain text."""
@@ -93,7 +143,7 @@ def linearize(
     system: AffineSystem,
     *,
     operating_point: Mapping[sp.Symbol | str, Any] | None = None,
-    max_extensions: int = 4,
+    max_extensions: int = 8,
 ) -> Linearization:
     """Derive the input-output linearising feedback of a plant, with dynamic extension where static is not enough.
 
@@ -175,17 +225,30 @@ def _check_arguments(system: AffineSystem, max_extensions: int) -> None:
 
 
 def _check_operating_point(linearization: Linearization, operating_point: Mapping[sp.Symbol | str, Any]) -> None:
-    extended = linearization.extended_system
-    point = resolve(operating_point, extended.states + extended.parameters, "state or parameter")
-    described = ", ".join(f"{symbol} = {value}" for symbol, value in point.items())
-    expressions = (linearization.determinant, *linearization.drift_term, *linearization.decoupling_matrix)
-    values = [expression.subs(point) for expression in expressions]
-    for expression, value in zip(expressions, values, strict=True):
-        if value.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
-            raise LinearizationError(f"at the operating point ({described}): {expression} is not finite there; move it")
-    determinant = tidy(values[0])
-    if determinant == 0 or (determinant.is_number and abs(determinant.evalf()) < _ZERO):
+    point = point_of(linearization.extended_system, operating_point)
+    place = f"at the operating point ({', '.join(f'{symbol} = {value}' for symbol, value in point.items())})"
+    transformations = linearization.extension.transformations
+    for determinant in (one.determinant for one in transformations):
+        if _vanishes(determinant.subs(point)):
+            raise LinearizationError(
+                f"{place}: the transformation of the inputs is singular there, its determinant {determinant} vanishes; "
+                f"move the operating point off {linearization.singular_locus}"
+            )
+    gains = linearization.decoupling_matrix
+    for expression in (linearization.determinant, *linearization.drift_term, *gains):
+        if expression.subs(point).has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+            raise LinearizationError(f"{place}: {expression} is not finite there; move it")
+    if _vanishes(linearization.determinant.subs(point)):
+        there = gains.subs(point).applyfunc(lambda entry: sp.S.Zero if _vanishes(entry) else entry)
+        rank = min(generic_rank(there), gains.rows - 1)
         raise LinearizationError(
-            f"at the operating point ({described}): the decoupling matrix is singular there, its determinant "
-            f"{linearization.determinant} vanishes; move the operating point off {linearization.singular_locus}"
+            f"{place}: the decoupling matrix is singular there, its determinant {linearization.determinant} vanishes "
+            f"and its rank is {rank} instead of {gains.rows} as almost everywhere. So the relative degree "
+            f"{linearization.relative_degree} is not well defined at that point and the law does not exist; "
+            f"move the operating point off {linearization.singular_locus}"
         )
+
+
+def _vanishes(value: sp.Expr) -> bool:
+    value = tidy(value)
+    return bool(value == 0 or (value.is_number and abs(value.evalf()) < _ZERO))
