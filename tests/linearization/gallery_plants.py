@@ -1,15 +1,18 @@
 """Plants of the literature with known answers, in their least form."""
 
+from functools import cache
+
 import sympy as sp
+from linearization_plants import manipulator, nominal_robot, unicycle, vtol
 from sympy import cos, sin, tan
 
-from brunovsky.linearization import AffineSystem
+from brunovsky.linearization import AffineSystem, Linearization, linearize
 
 GRAVITY = sp.Rational(981, 100)
 
 
 def car() -> AffineSystem:
-    """Kinematic car, outputs at the rear axle: flat (Fliess, Lévine, Martin, Rouchon 1995, 10.1080/00207179508921959)."""
+    """Kinematic car, outputs at the rear axle (Fliess, Lévine, Martin, Rouchon 1995, 10.1080/00207179508921959)."""
     x, y, heading, steering, speed, rate = sp.symbols("x y theta phi v omega", real=True)
     length = sp.Symbol("L", positive=True)
     forward = [cos(heading), sin(heading), tan(steering) / length, 0]
@@ -44,7 +47,7 @@ def pvtol_centre() -> AffineSystem:
 
 
 def pvtol_flat() -> AffineSystem:
-    """PVTOL at its centre of oscillation after u1 - eps theta'^2 (Martin, Devasia, Paden 1996, 10.1016/0005-1098(95)00099-2)."""
+    """PVTOL, flat output, after u1 - eps theta'^2 (Martin, Devasia, Paden 1996, 10.1016/0005-1098(95)00099-2)."""
     return _pvtol("flat", thrust_offset=True)
 
 
@@ -142,10 +145,22 @@ def induction_motor() -> AffineSystem:
     return AffineSystem((omega, a, b, i_a, i_b), (u_a, u_b), drift, gains, (omega, a**2 + b**2), parameters)
 
 
+def mixed_inputs() -> AffineSystem:
+    """Not from the literature: u1 + c u2 moves both outputs, so u1 is replaced before the first extension."""
+    a, b, c, d, u1, u2 = sp.symbols("a b c d u1 u2", real=True)
+    gains = [[1, c], [d, c * d], [0, 1], [0, 1]]
+    return AffineSystem((a, b, c, d), (u1, u2), [0, 0, -c, 0], gains, (a, b))
+
+
 GALLERY = {
     plant.__name__: plant
     for plant in (
         *(car, trailer, pvtol_centre, pvtol_flat, pvtol_flat_untouched, quadrotor, flexible_joint, ball_and_beam),
-        *(cart_pole, pm_motor, induction_motor),
+        *(cart_pole, pm_motor, induction_motor, mixed_inputs, nominal_robot, unicycle, manipulator, vtol),
     )
 }
+
+
+@cache
+def linearized(name: str) -> Linearization:
+    return linearize(GALLERY[name]())

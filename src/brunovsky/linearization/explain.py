@@ -10,7 +10,9 @@ import sympy as sp
 from sympy.printing.str import StrPrinter
 
 from brunovsky.linearization.affine import AffineSystem
+from brunovsky.linearization.input_transformation import InputTransformation
 from brunovsky.linearization.relative_degree import OutputDerivatives
+from brunovsky.linearization.zero_dynamics import ZeroDynamics
 
 if TYPE_CHECKING:
     from brunovsky.linearization.linearize import Linearization
@@ -92,11 +94,14 @@ def derivation(linearization: Linearization) -> Iterator[Line]:
     yield from _system(system)
     for step in steps:
         yield from _derivatives(step.system, step.derivatives)
+        through = tuple(step.transformation.combinations.values()) if step.transformation else step.delayed
         yield Sentence(
             "G has generic rank {}, not {}: outputs {} depend on each other through {} alone, so it is singular "
             "everywhere and static feedback does not decouple them.",
-            (step.rank, len(system.outputs), tuple(i + 1 for i in step.outputs), step.delayed),
+            (step.rank, len(system.outputs), tuple(i + 1 for i in step.outputs), through),
         )
+        if step.transformation:
+            yield from _transformation(step.transformation)
         yield Heading("Dynamic extension")
         yield Sentence("An integrator in front of {}: a state now, its derivative an input.", (step.delayed,))
         for old, new in zip(step.delayed, step.inputs, strict=True):
@@ -104,6 +109,8 @@ def derivation(linearization: Linearization) -> Iterator[Line]:
     yield from _derivatives(linearization.extended_system, linearization.extension.derivatives)
     yield Equation(Formula("det G", r"\det G"), linearization.determinant)
     yield from _law(linearization)
+    if linearization.zero_dynamics:
+        yield from _zero_dynamics(linearization.zero_dynamics)
 
 
 def _system(system: AffineSystem) -> Iterator[Line]:
@@ -133,12 +140,43 @@ def _derivatives(system: AffineSystem, derivatives: OutputDerivatives) -> Iterat
     yield Equation(Formula("G", "G"), derivatives.decoupling_matrix)
 
 
+def _transformation(transformation: InputTransformation) -> Iterator[Line]:
+    yield Heading("Transformation of the inputs")
+    yield Sentence("The combinations become inputs, in the place of {}:", (tuple(transformation.replaced),))
+    for symbol, expression in (*transformation.combinations.items(), *transformation.replaced.items()):
+        yield Equation(_name(symbol), expression)
+    if transformation.determinant.free_symbols:
+        yield Sentence("It is regular where {} is not zero.", (transformation.determinant,))
+
+
+def _zero_dynamics(zero: ZeroDynamics) -> Iterator[Line]:
+    yield Heading("Zero dynamics")
+    free_of = "the derivatives contain no input" if zero.input_free else "the derivatives contain inputs"
+    yield Sentence(f"The chains are completed to coordinates, generically, by functions of which {free_of}:")
+    for symbol, expression in zero.coordinates.items():
+        yield Equation(_name(symbol), expression)
+    if zero.field is None:
+        yield Sentence("How these move while the outputs are constant was not found in closed form.")
+        return
+    if zero.normal_form.branch:
+        yield Sentence("On the branch where these are positive: {}.", (zero.normal_form.branch,))
+    yield Sentence("With the outputs kept at the constants {} they obey", (zero.constants,))
+    for symbol, slope in zip(zero.coordinates, zero.field, strict=True):
+        yield Equation(_rate(symbol), slope)
+    yield Sentence("The linearised plant is minimum phase at an equilibrium where these are asymptotically stable.")
+
+
 def _law(linearization: Linearization) -> Iterator[Line]:
     yield Heading("Linearising law")
     inverse = Formula("u = G^-1 (v - F)", "u = G^{-1} (v - F)")
     yield Sentence("{} with the outer inputs {}:", (inverse, linearization.outer_inputs))
     for symbol, expression in linearization.law.items():
-        yield Equation(Formula(str(symbol), sp.latex(symbol)), expression)
+        yield Equation(_name(symbol), expression)
+    moved = {symbol: u for symbol, u in linearization.input_map.items() if not u.is_Symbol}
+    if moved:
+        yield Sentence("The inputs of the plant that are none of the extended system's follow from these:")
+    for symbol, expression in moved.items():
+        yield Equation(_name(symbol), expression)
     locus = linearization.singular_locus
     if locus == sp.false:
         yield Sentence("It exists wherever F and G do.")
@@ -147,6 +185,10 @@ def _law(linearization: Linearization) -> Iterator[Line]:
     total, count = sum(linearization.relative_degree), len(linearization.extended_system.states)
     kind = "the linearisation is full" if linearization.is_full else "there are internal dynamics"
     yield Sentence(f"The total relative degree is {{}}, the number of states {{}}: {kind}.", (total, count))
+
+
+def _name(symbol: sp.Symbol) -> Formula:
+    return Formula(str(symbol), sp.latex(symbol))
 
 
 def _rate(symbol: sp.Symbol) -> Formula:

@@ -236,9 +236,7 @@ def _check_invertible(
         )
 
 
-def extend(
-    system: AffineSystem, max_extensions: int, operating_point: Mapping[str, Any] | None = None
-) -> Extension:
+def extend(system: AffineSystem, max_extensions: int, operating_point: Mapping[str, Any] | None = None) -> Extension:
     """Add integrators round by round until the decoupling matrix is generically nonsingular.
 
     Parameters

@@ -16,7 +16,9 @@ from brunovsky.linearization.naming import outer_inputs
 from brunovsky.linearization.normal_form import NormalForm, find_normal_form
 from brunovsky.linearization.numeric import point_of
 from brunovsky.linearization.rank import generic_rank
+from brunovsky.linearization.regular_start import RegularStart, regular_start
 from brunovsky.linearization.simplify import factored, tidy
+from brunovsky.linearization.singularity import Measure, distance_to_singularity
 from brunovsky.linearization.zero_dynamics import ZeroDynamics, find_zero_dynamics
 
 _ZERO = 1e-12
@@ -126,6 +128,14 @@ class Linearization:
             If the point is no equilibrium of the zero dynamics.
         """
         return self.zero_dynamics is None or self.zero_dynamics.is_minimum_phase(point)
+
+    def distance_to_singularity(self, point: Mapping[sp.Symbol | str, Any], measure: Measure = "locus") -> float:
+        """How far a point is from the singular locus; see `distance_to_singularity` of this package."""
+        return distance_to_singularity(self, point, measure)
+
+    def regular_start(self, point: Mapping[sp.Symbol | str, Any]) -> RegularStart:
+        """What a trajectory needs to pass a singular point smoothly; see `regular_start` of this package."""
+        return regular_start(self, point)
 
     def explain(self) -> str:
         """Return the derivation step by step, as on the board, as plain text."""

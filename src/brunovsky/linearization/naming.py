@@ -23,7 +23,9 @@ def integrator_input(delayed: sp.Symbol, taken: Collection[str]) -> sp.Symbol:
 
 def outer_inputs(inputs: tuple[sp.Symbol, ...], count: int, taken: Collection[str]) -> tuple[sp.Symbol, ...]:
     """Symbols v1, …, v_count; nu1, … or nu2_1, … where one of those names is taken; real if all inputs are."""
-    return numbered(itertools.chain(("v", "nu"), (f"nu{number}_" for number in itertools.count(2))), inputs, count, taken)
+    return numbered(
+        itertools.chain(("v", "nu"), (f"nu{number}_" for number in itertools.count(2))), inputs, count, taken
+    )
 
 
 def transformed_inputs(inputs: tuple[sp.Symbol, ...], count: int, taken: Collection[str]) -> tuple[sp.Symbol, ...]:
@@ -38,6 +40,13 @@ def numbered(
     candidates = ([f"{stem}{index}" for index in range(1, count + 1)] for stem in stems)
     names = next(names for names in candidates if not set(names) & set(taken))
     return tuple(_like(like, name) for name in names)
+
+
+def rate(symbol: sp.Symbol, taken: Collection[str], order: int = 1) -> sp.Symbol:
+    """Symbol of a derivative: d1_dot, d1_ddot, …, d1_dot_2 where that name is taken."""
+    stem = f"{symbol.name}_{'d' * order}ot"
+    names = itertools.chain((stem,), (f"{stem}_{count}" for count in itertools.count(2)))
+    return _like((symbol,), next(name for name in names if name not in taken))
 
 
 def _like(symbols: tuple[sp.Symbol, ...], name: str) -> sp.Symbol:

@@ -1,4 +1,4 @@
-"""Exact linearisation by static state feedback: is there any output for which it is full, without an extension?"""
+"""Whether static state feedback linearises a system exactly: with some output, without an extension."""
 
 import itertools
 from collections.abc import Mapping, Sequence

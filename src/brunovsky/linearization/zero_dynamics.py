@@ -88,8 +88,9 @@ class ZeroDynamics:
         point = point_of(self.system, near)
         states = sp.Matrix(self.system.states)
         heads = [chain[0] for chain in self.normal_form.chains]
-        targets = {head: evaluate(sp.Matrix([self.normal_form.map[head]]), point)[0, 0] for head in heads}
-        chains = [self.normal_form.map[one] - targets.get(one, 0.0) for chain in self.normal_form.chains for one in chain]
+        functions = self.normal_form.map
+        targets = {head: evaluate(sp.Matrix([functions[head]]), point)[0, 0] for head in heads}
+        chains = [functions[one] - targets.get(one, 0.0) for chain in self.normal_form.chains for one in chain]
         rates = [lie_derivative(eta, self.closed_loop, self.system.states) for eta in self.coordinates.values()]
         residual = sp.Matrix([*chains, *rates])
         slope = residual.jacobian(states)
