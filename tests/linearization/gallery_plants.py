@@ -152,11 +152,29 @@ def mixed_inputs() -> AffineSystem:
     return AffineSystem((a, b, c, d), (u1, u2), [0, 0, -c, 0], gains, (a, b))
 
 
+def three_mixed_inputs() -> AffineSystem:
+    """Not from the literature: three outputs move through two combinations of three inputs."""
+    a, b, c, d, e, f, u1, u2, u3 = sp.symbols("a b c d e f u1 u2 u3", real=True)
+    gains = [[1, 0, d], [0, 1, e], [f, 1, d * f + e], [0, 0, 0], [0, 0, 0], [0, 0, 1]]
+    drift = [0, 0, 0, -d, -e, -f]
+    return AffineSystem((a, b, c, d, e, f), (u1, u2, u3), drift, gains, (a, b, c))
+
+
 GALLERY = {
     plant.__name__: plant
     for plant in (
         *(car, trailer, pvtol_centre, pvtol_flat, pvtol_flat_untouched, quadrotor, flexible_joint, ball_and_beam),
-        *(cart_pole, pm_motor, induction_motor, mixed_inputs, nominal_robot, unicycle, manipulator, vtol),
+        *(
+            cart_pole,
+            pm_motor,
+            induction_motor,
+            mixed_inputs,
+            three_mixed_inputs,
+            nominal_robot,
+            unicycle,
+            manipulator,
+            vtol,
+        ),
     )
 }
 

@@ -32,6 +32,7 @@ ANSWERS = {
     "cart_pole": ((2,), {}, False, None),
     "pm_motor": ((1, 2), {}, True, "L_d*i_d - L_q*i_d + psi"),
     "induction_motor": ((2, 2), {}, False, "psi_a**2 + psi_b**2"),
+    "three_mixed_inputs": ((2, 2, 2), {"mu1": 1, "mu2": 1}, False, "mu1"),
     "mixed_inputs": ((2, 2), {"mu1": 1}, False, "mu1"),
 }
 
@@ -70,8 +71,10 @@ def test_the_trailer_needs_a_transformation_of_its_inputs() -> None:
     assert [len(step.delayed) for step in result.extension.steps] == [1, 1]
     assert dict(result.input_map) == {v: v, omega: omega}
     assert "Transformation of the inputs" in result.explain()
+    straight = linearize(trailer(), operating_point={"theta": 0.1, "phi": 0.1, "v": 1})
+    assert straight.determinant == result.determinant
     with pytest.raises(LinearizationError, match=r"is singular there, its determinant v\*cos\(phi - theta\)"):
-        linearize(trailer(), operating_point={"theta": sp.pi / 2, "phi": 0, "v": 1})
+        linearize(trailer(), operating_point={"theta": np.pi / 2, "phi": 0, "v": 1})
 
 
 def test_an_input_that_was_replaced_is_recovered() -> None:

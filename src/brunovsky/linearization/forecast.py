@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 Reference = Callable[[float], Sequence[ArrayLike]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Forecast:
     """Chains, inputs and distance to the singular locus along a closed loop that is linear between v and the outputs.
 

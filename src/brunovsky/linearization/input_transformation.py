@@ -14,8 +14,9 @@ import sympy as sp
 from brunovsky._frozen import FrozenMapping
 from brunovsky.linearization.affine import AffineSystem
 from brunovsky.linearization.naming import transformed_inputs
+from brunovsky.linearization.numeric import point_of
 from brunovsky.linearization.rank import generic_rank
-from brunovsky.linearization.simplify import factored, tidy
+from brunovsky.linearization.simplify import factored, tidy, vanishes
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,9 @@ def find_transformation(
     doi:10.1007/978-1-4757-2101-0.
     """
     basis = _shortest_basis([_primitive(rows.row(i)) for i in range(rows.rows)], generic_rank(rows))
-    columns, determinant = _pivots(basis, operating_point)
+    names = {symbol.name for symbol in system.states + system.parameters}
+    point = point_of(system, {name: value for name, value in operating_point.items() if name in names})
+    columns, determinant = _pivots(basis, point)
     pivots = basis.extract(list(range(basis.rows)), list(columns))
     if determinant.could_extract_minus_sign():
         basis, pivots, determinant = _negated(basis, 0), _negated(pivots, 0), -determinant
@@ -106,13 +109,12 @@ def _shortest_basis(rows: Sequence[sp.Matrix], rank: int) -> sp.Matrix:
     return sp.Matrix.vstack(*chosen[:rank])
 
 
-def _pivots(basis: sp.Matrix, operating_point: Mapping[str, Any]) -> tuple[tuple[int, ...], sp.Expr]:
+def _pivots(basis: sp.Matrix, point: Mapping[sp.Symbol, sp.Expr]) -> tuple[tuple[int, ...], sp.Expr]:
     candidates = []
     for columns in itertools.combinations(range(basis.cols), basis.rows):
         determinant = factored(basis.extract(list(range(basis.rows)), list(columns)).det(method="berkowitz"))
         if determinant != 0:
-            point = {s: operating_point[s.name] for s in determinant.free_symbols if s.name in operating_point}
-            candidates.append((determinant.subs(point) == 0, int(sp.count_ops(determinant)), columns, determinant))
+            candidates.append((vanishes(determinant.subs(point)), int(sp.count_ops(determinant)), columns, determinant))
     _, _, columns, determinant = min(candidates, key=lambda candidate: candidate[:3])
     return columns, determinant
 

@@ -17,11 +17,9 @@ from brunovsky.linearization.normal_form import NormalForm, find_normal_form
 from brunovsky.linearization.numeric import point_of
 from brunovsky.linearization.rank import generic_rank
 from brunovsky.linearization.regular_start import RegularStart, regular_start
-from brunovsky.linearization.simplify import factored, tidy
+from brunovsky.linearization.simplify import factored, tidy, vanishes
 from brunovsky.linearization.singularity import Measure, distance_to_singularity
 from brunovsky.linearization.zero_dynamics import ZeroDynamics, find_zero_dynamics
-
-_ZERO = 1e-12
 
 
 @dataclass(frozen=True)
@@ -239,7 +237,7 @@ def _check_operating_point(linearization: Linearization, operating_point: Mappin
     place = f"at the operating point ({', '.join(f'{symbol} = {value}' for symbol, value in point.items())})"
     transformations = linearization.extension.transformations
     for determinant in (one.determinant for one in transformations):
-        if _vanishes(determinant.subs(point)):
+        if vanishes(determinant.subs(point)):
             raise LinearizationError(
                 f"{place}: the transformation of the inputs is singular there, its determinant {determinant} vanishes; "
                 f"move the operating point off {linearization.singular_locus}"
@@ -248,8 +246,8 @@ def _check_operating_point(linearization: Linearization, operating_point: Mappin
     for expression in (linearization.determinant, *linearization.drift_term, *gains):
         if expression.subs(point).has(sp.nan, sp.zoo, sp.oo, -sp.oo):
             raise LinearizationError(f"{place}: {expression} is not finite there; move it")
-    if _vanishes(linearization.determinant.subs(point)):
-        there = gains.subs(point).applyfunc(lambda entry: sp.S.Zero if _vanishes(entry) else entry)
+    if vanishes(linearization.determinant.subs(point)):
+        there = gains.subs(point).applyfunc(lambda entry: sp.S.Zero if vanishes(entry) else entry)
         rank = min(generic_rank(there), gains.rows - 1)
         raise LinearizationError(
             f"{place}: the decoupling matrix is singular there, its determinant {linearization.determinant} vanishes "
@@ -257,8 +255,3 @@ def _check_operating_point(linearization: Linearization, operating_point: Mappin
             f"{linearization.relative_degree} is not well defined at that point and the law does not exist; "
             f"move the operating point off {linearization.singular_locus}"
         )
-
-
-def _vanishes(value: sp.Expr) -> bool:
-    value = tidy(value)
-    return bool(value == 0 or (value.is_number and abs(value.evalf()) < _ZERO))

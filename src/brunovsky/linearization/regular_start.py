@@ -110,6 +110,8 @@ def regular_start(linearization: Linearization, point: Mapping[sp.Symbol | str, 
             symbol, value, factors = solved
             states[symbol] = value
             nonzero += factors
+    if sp.false in conditions:
+        raise LinearizationError(f"at {_shown(fixed)} y^(r) = F + G u has no solution: nothing passes it smoothly")
     taken = {
         str(one) for one in (*extended.states, *extended.inputs, *extended.parameters, *linearization.outer_inputs)
     }
@@ -130,7 +132,7 @@ def regular_start(linearization: Linearization, point: Mapping[sp.Symbol | str, 
 def _check(
     linearization: Linearization, drift: sp.Matrix, gains: sp.Matrix, fixed: Mapping[sp.Symbol, sp.Expr]
 ) -> None:
-    place = f"at {', '.join(f'{symbol} = {value}' for symbol, value in fixed.items())}"
+    place = f"at {_shown(fixed)}"
     field = linearization.extended_system.dynamics.subs(fixed)
     if any(part.has(sp.nan, sp.zoo, sp.oo, -sp.oo) for part in (drift, gains, field)):
         raise LinearizationError(f"{place} the extended system is not finite, so no trajectory passes it smoothly")
@@ -157,6 +159,10 @@ def _compensator(
     solution = normal.adjugate() * slopes.T * right / normal.det(method="berkowitz")
     conditions += [sp.Eq(condition, 0) for condition in (_left_null(slopes) * right).applyfunc(tidy)]
     return {symbol: tidy(value) for symbol, value in zip(own, solution, strict=True)}, conditions
+
+
+def _shown(fixed: Mapping[sp.Symbol, sp.Expr]) -> str:
+    return ", ".join(f"{symbol} = {value}" for symbol, value in fixed.items())
 
 
 def _left_null(matrix: sp.Matrix) -> sp.Matrix:
@@ -212,7 +218,7 @@ def _inputs(
     determinant = factored(slopes.det(method="berkowitz"))
     if determinant == 0:
         raise LinearizationError(
-            f"at {', '.join(f'{symbol} = {value}' for symbol, value in fixed.items())} the first derivative of y^(r) "
+            f"at {_shown(fixed)} the first derivative of y^(r) "
             f"does not determine {', '.join(map(str, unknown))}; leave more states free"
         )
     solved = slopes.adjugate() * -remaining.subs(dict.fromkeys(unknown, 0)) / determinant

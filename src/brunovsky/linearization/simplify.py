@@ -6,6 +6,8 @@ import sympy as sp
 
 from brunovsky.linearization.rank import in_sines_and_cosines
 
+_ZERO = 1e-12
+
 
 @lru_cache(maxsize=4096)
 def tidy(expression: sp.Expr) -> sp.Expr:
@@ -38,6 +40,12 @@ def factored(expression: sp.Expr) -> sp.Expr:
     return min((sp.factor(tidy(expression)), tidy(sp.factor(expression))), key=_length)
 
 
+def vanishes(value: sp.Expr) -> bool:
+    """Whether an expression into which numbers were inserted is zero, exactly or to rounding."""
+    value = tidy(value)
+    return any(bool(factor.is_number and abs(factor.evalf()) < _ZERO) for factor in sp.Mul.make_args(value))
+
+
 def _length(expression: sp.Expr) -> tuple[int, int]:
     """Operations, then sums: a product is preferred to a sum of the same length."""
     return int(sp.count_ops(expression)), len(expression.atoms(sp.Add))
@@ -48,7 +56,9 @@ def _pythagoras(quotient: sp.Expr) -> sp.Expr:
         sine, cosine = sp.sin(angle), sp.cos(angle)
         forms = [quotient]
         for eliminated, kept in ((sine, cosine), (cosine, sine)):
-            forms.append(sp.cancel(_reduce(quotient, eliminated, kept)))
+            reduced = _reduce(quotient, eliminated, kept)
+            if reduced != quotient:
+                forms.append(sp.cancel(reduced))
         quotient = min(forms, key=_length)
     return quotient
 
@@ -72,5 +82,7 @@ def _even_powers_replaced(part: sp.Expr, function: sp.Expr, square: sp.Expr) -> 
         halves, odd = divmod(powers[position], 2)
         left = (*powers[:position], odd, *powers[position + 1 :])
         by_power.setdefault(halves, {})[left] = coefficient
+    if not any(by_power):  # at most linear as it is
+        return part
     rest = {halves: sp.Poly.from_dict(terms, *polynomial.gens).as_expr() for halves, terms in by_power.items()}
     return sp.expand(sp.Add(*(square**halves * factor for halves, factor in rest.items())))
