@@ -21,7 +21,7 @@ def car() -> AffineSystem:
 
 
 def trailer() -> AffineSystem:
-    """Unicycle that pulls a trailer, outputs at the trailer's axle (Rouchon et al. 1993, 10.1109/CDC.1993.325686)."""
+    """Unicycle that pulls a trailer, outputs at the trailer's axle (Rouchon, Fliess, Lévine, Martin, 32nd CDC, 1993)."""
     x, y, heading, pulled, speed, turn = sp.symbols("x y theta phi v omega", real=True)
     length = sp.Symbol("L", positive=True)
     bend = heading - pulled
@@ -57,7 +57,7 @@ def pvtol_flat_untouched() -> AffineSystem:
 
 
 def quadrotor() -> AffineSystem:
-    """Quadrotor with roll, pitch, yaw (Mistler, Benallegue, M'Sirdi 2001, 10.1109/ROMAN.2001.981967)."""
+    """Quadrotor with roll, pitch, yaw (Mistler, Benallegue, M'Sirdi, ROMAN 2001)."""
     x, y, z, phi, theta, psi, vx, vy, vz, p, q, r = sp.symbols("x y z phi theta psi vx vy vz p q r", real=True)
     thrust, t1, t2, t3 = sp.symbols("T tau1 tau2 tau3", real=True)
     mass, jx, jy, jz = sp.symbols("m J_x J_y J_z", positive=True)

@@ -207,7 +207,7 @@ def choose_inputs(
     ----------
     A. Isidori, *Nonlinear Control Systems*, 3rd ed., 1995, section 5.4, doi:10.1007/978-1-84628-615-5;
     J. Descusse and C. H. Moog, "Decoupling with dynamic compensation for strong invertible affine non-linear
-    systems", *Int. J. Control* 42 (1985) 1387-1398, doi:10.1080/00207178508933434.
+    systems", *Int. J. Control* 42 (1985) 1387-1398.
     """
     gains = derivatives.decoupling_matrix
     outputs = dependent_rows(gains)
