@@ -21,7 +21,7 @@ def car() -> AffineSystem:
 
 
 def trailer() -> AffineSystem:
-    """Unicycle that pulls a trailer, outputs at the trailer's axle (Rouchon, Fliess, Lévine, Martin, 32nd CDC, 1993)."""
+    """Unicycle that pulls a trailer, outputs at the trailer's axle (Rouchon, Fliess, Lévine, Martin, CDC 1993)."""
     x, y, heading, pulled, speed, turn = sp.symbols("x y theta phi v omega", real=True)
     length = sp.Symbol("L", positive=True)
     bend = heading - pulled
