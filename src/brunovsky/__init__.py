@@ -11,6 +11,7 @@ from brunovsky import analysis, blocks
 from brunovsky.analysis import to_control
 from brunovsky.blocks import Block, Diagram, linearized_block
 from brunovsky.errors import BrunovskyError
+from brunovsky.fmi import component, export_fmu
 from brunovsky.linearization import AffineSystem, Linearization, linearize
 from brunovsky.native import simulate
 
@@ -27,6 +28,8 @@ __all__ = [
     "Linearization",
     "analysis",
     "blocks",
+    "component",
+    "export_fmu",
     "linearize",
     "linearized_block",
     "simulate",

@@ -22,7 +22,7 @@ import brunovsky as br
 from brunovsky._resources import resource
 from brunovsky.comparison import compare_study
 from brunovsky.errors import BrunovskyError
-from brunovsky.fmi import export_fmu, load_manifest
+from brunovsky.fmi import export_fmu, shipped_fmus
 
 app = typer.Typer(
     name="brunovsky",
@@ -89,7 +89,7 @@ def build(
     platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
 ) -> None:
     """Build FMUs: co-simulation and model exchange in one file, no interpreter inside."""
-    names = blocks or list(load_manifest())
+    names = blocks or list(shipped_fmus())
     chosen = {name: _known(name, BLOCKS, "block") for name in names}
     with _progress() as progress:
         task = progress.add_task("building FMUs", total=len(chosen))
@@ -129,7 +129,7 @@ def compare(
 @app.command("list")
 def list_() -> None:
     """List the systems, blocks and studies that ship."""
-    shipped = load_manifest()
+    shipped = shipped_fmus()
     table = Table("kind", "name", "what it is", box=None, pad_edge=False)
     for name, make in SYSTEMS.items():
         degree = make().relative_degree

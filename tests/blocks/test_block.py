@@ -200,3 +200,8 @@ def test_simulation_is_labelled() -> None:
     assert list(result) == ["x", "singular", "u[2]"]
     assert result.sizes["time"] == 11 and result["time"].attrs["units"] == "s"
     assert result["u[2]"].attrs["units"] == "rad/s2" and result["singular"].dtype == bool
+
+
+def test_defaults_out_of_range_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"bad: p = 3 1 is not a finite number from 0 to 2"):
+        Block("bad", parameters=[Parameter("p", "1", "", 3.0, 0.0, 2.0)])

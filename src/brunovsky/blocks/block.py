@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import sympy as sp
 
-from brunovsky.blocks.relations import RelationTable
+from brunovsky.blocks.relations import RelationTable, root_symbols
 from brunovsky.blocks.units import unit_exponents
 from brunovsky.blocks.variables import (
     NAME,
@@ -53,6 +53,8 @@ class Block:
     ------
     ModelError
         If a name is illegal or used twice, a symbol unknown, a unit unreadable, or an expression cannot be frozen.
+    ParameterError
+        If a default value is not finite or out of its range.
     """
 
     name: str
@@ -76,6 +78,7 @@ class Block:
         self._check_names()
         self._lower()
         self._check_symbols()
+        self.parameter_values()
 
     def _check_names(self) -> None:
         if not NAME.fullmatch(self.name) or "." in self.name or "[" in self.name:
@@ -190,16 +193,7 @@ class Block:
 
     def depends_on(self, expression: sp.Basic) -> frozenset[sp.Symbol]:
         """Symbols an expression depends on, relations resolved into what they are evaluated from."""
-        behind = {relation.symbol: relation.expression for relation in self.relations}
-        found: set[sp.Symbol] = set()
-        pending = set(expression.free_symbols)
-        while pending:
-            one = pending.pop()
-            if one in behind:
-                pending |= behind[one].free_symbols
-            else:
-                found.add(one)
-        return frozenset(found)
+        return root_symbols(expression, self.relations)
 
     @cached_property
     def feedthrough(self) -> Mapping[str, frozenset[str]]:

@@ -7,7 +7,7 @@ expression is that of the frozen branch.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from functools import reduce
 
 import sympy as sp
@@ -18,6 +18,20 @@ from brunovsky.blocks.variables import Relation
 from brunovsky.errors import ModelError
 
 _REFUSED = (sp.Heaviside, sp.DiracDelta, sp.floor, sp.ceiling, sp.Mod, sp.frac, sp.arg, sp.re, sp.im, sp.Derivative)
+
+
+def root_symbols(expression: sp.Basic, relations: Iterable[Relation]) -> frozenset[sp.Symbol]:
+    """Symbols an expression is made of, relations replaced by what they are evaluated from."""
+    behind = {one.symbol: one.expression for one in relations}
+    found: set[sp.Symbol] = set()
+    pending = set(expression.free_symbols)
+    while pending:
+        one = pending.pop()
+        if one in behind:
+            pending |= behind[one].free_symbols
+        else:
+            found.add(one)
+    return frozenset(found)
 
 
 class RelationTable:
