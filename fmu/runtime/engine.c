@@ -127,15 +127,19 @@ void engine_reset(Engine *engine)
         engine->m[i] = 0;
 }
 
-static int fail(Engine *engine, const char *variable, const char *problem)
+static int fail_because(Engine *engine, int check, const char *variable, const char *problem)
 {
     const Model *model = engine->model;
-    const int check = model->failure_check(VALUES(engine));
     engine->reason = check < 0 ? "diverged" : model->check_names[check];
     snprintf(engine->variable, sizeof engine->variable, "%s", variable);
     snprintf(engine->message, sizeof engine->message, "%s: %s %s at t = %.9g s%s%s", model->name, variable, problem,
              engine->time, check < 0 ? "" : ": ", check < 0 ? "" : model->check_messages[check]);
     return ENGINE_FAILED;
+}
+
+static int fail(Engine *engine, const char *variable, const char *problem)
+{
+    return fail_because(engine, engine->model->failure_check(VALUES(engine)), variable, problem);
 }
 
 int engine_check_parameters(Engine *engine, int model_exchange)
@@ -270,6 +274,27 @@ int engine_check_finite(Engine *engine)
     return ENGINE_OK;
 }
 
+/* What explains a step that is not finite: the first check that fails at one of its stages that still are. */
+static int failed_stage_check(Engine *engine, double h)
+{
+    static const double fraction[] = {0, 0.5, 0.5, 1};
+    const Model *model = engine->model;
+    const int n = model->nx;
+    double *slopes = engine->work, *stage = slopes + 4 * n;
+    for (int k = 0; k < 4; k++) {
+        for (int i = 0; i < n; i++) {
+            stage[i] = k ? engine->x[i] + fraction[k] * h * slopes[(k - 1) * n + i] : engine->x[i];
+            if (!isfinite(stage[i]))
+                return -1;
+        }
+        const int check = model->failure_check(engine->time + fraction[k] * h, stage, engine->u, engine->p, engine->q,
+                                               engine->m, engine->r);
+        if (check >= 0)
+            return check;
+    }
+    return -1;
+}
+
 static int rk4_step(Engine *engine, double h)
 {
     const Model *model = engine->model;
@@ -292,7 +317,7 @@ static int rk4_step(Engine *engine, double h)
         stage[i] = x[i] + h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
     for (int i = 0; i < n; i++)
         if (!isfinite(stage[i]))
-            return fail(engine, model->x_names[i], "is not finite after the step");
+            return fail_because(engine, failed_stage_check(engine, h), model->x_names[i], "is not finite after the step");
     memcpy(x, stage, (size_t)n * sizeof *x);
     return ENGINE_OK;
 }

@@ -172,8 +172,8 @@ static Result check_parameters(Instance *instance)
     return DONE;
 }
 
-/* Makes what is calculated belong to the values set: start values before the run; relations too where inputs changed
- * at a communication point or an event, so that outputs are of the branch that belongs to the new inputs. */
+/* Makes what is calculated belong to the values set: start values before the run; relations too at a communication
+ * point where inputs changed and in event mode, so that outputs are of the branch that belongs to these values. */
 static Result refresh(Instance *instance)
 {
     Engine *engine = instance->engine;
@@ -433,6 +433,13 @@ Result instance_get_indicators(Instance *instance, double *indicators, size_t co
         indicators[i] = instance->z[i] + instance->side[i] * INDICATOR_SHIFT;
     }
     return DONE;
+}
+
+void instance_enter_event(Instance *instance)
+{
+    instance->phase = EVENT;
+    instance->relations_current = 0;
+    outdate(instance);
 }
 
 Result instance_event(Instance *instance, Event *event)

@@ -230,6 +230,21 @@ def test_start_at_rest_without_guard_names_the_singularity(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ["native", "numpy"])
+def test_a_step_into_the_singularity_names_it(engine: str) -> None:
+    """From eta[1] = 0.05 with u[1] = -100 and v = 0 the middle of the first step is at eta[1] = 0, its start is not."""
+    with pytest.raises(
+        SimulationError, match=r"not finite after the step at t = 0 s: .*singular at eta\[1\] = 0"
+    ) as caught:
+        br.simulate(
+            br.blocks.linearized_robot(),
+            0.01,
+            parameters={"eta_start[1]": 0.05, "u_start[1]": -100.0, "eta_min": 0.0},
+            engine=engine,  # type: ignore
+        )
+    assert caught.value.reason == "singular"
+
+
+@pytest.mark.parametrize("engine", ["native", "numpy"])
 def test_divergence_keeps_what_was_simulated(engine: str) -> None:
     x = symbols("x")[0]
     block = Block("blowup", states=(State("x", derivative=x**2, start=sp.S.One),), outputs=(Output("x", expression=x),))

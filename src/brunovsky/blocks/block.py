@@ -172,7 +172,7 @@ class Block:
 
     @cached_property
     def variables(self) -> tuple[Variable, ...]:
-        """All variables: parameters, inputs, states, samples, modes, outputs, in order of declaration."""
+        """Parameters, inputs, states, samples, modes and outputs, in order of declaration."""
         return (*self.parameters, *self.inputs, *self.states, *self.samples, *self.modes, *self.outputs)
 
     @cached_property

@@ -10,7 +10,7 @@ samples and transitions of that instant wait for the next step and its inputs.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
 from brunovsky.blocks.block import Block
-from brunovsky.blocks.variables import TIME
+from brunovsky.blocks.variables import TIME, Check
 from brunovsky.errors import ParameterError, SimulationError
 
 MAX_EVENT_ITERATIONS = 20
@@ -74,7 +74,8 @@ class NumpyEngine:
         self._updates = self._function([one.update for one in block.samples])
         self._starts = self._function([*(one.start for one in block.states), *(one.start for one in block.samples)])
         self._periods = self._function([one.period for one in block.samples])
-        self._failures = [one for one in block.checks if one.when == "failure"]
+        self._explanations = [one for one in block.checks if one.when == "failure"]
+        self._conditions = self._function([one.condition for one in self._explanations])
         self.reset()
 
     def _function(self, expressions: Any) -> Callable[[], list[float]]:
@@ -222,16 +223,18 @@ class NumpyEngine:
             if index:
                 self.event()
             time, start = begin + index * size, self.states
-            k1 = self._slope(time, start)
-            k2 = self._slope(time + 0.5 * size, start + 0.5 * size * k1)
-            k3 = self._slope(time + 0.5 * size, start + 0.5 * size * k2)
-            k4 = self._slope(time + size, start + size * k3)
+            stages, slopes = [], []
+            for fraction in (0.0, 0.5, 0.5, 1.0):
+                previous = slopes[-1] if slopes else np.zeros_like(start)
+                stages.append((time + fraction * size, start + fraction * size * previous))
+                slopes.append(self._slope(*stages[-1]))
+            k1, k2, k3, k4 = slopes
             self.states = start + size / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
             self.time = begin + (index + 1) * size
             if not np.isfinite(self.states).all():
-                reached, self.states, self.time = self.states, start, time
-                index = int(np.argmin(np.isfinite(reached)))
-                raise self._failure(self.block.states[index].name, "is not finite after the step")
+                variable = self.block.states[int(np.argmin(np.isfinite(self.states)))].name
+                self.states, self.time = start, time
+                raise self._failure(variable, "is not finite after the step", self._failed_checks(stages))
         self.time = stop
 
     def _slope(self, time: float, states: Array) -> Array:
@@ -293,10 +296,23 @@ class NumpyEngine:
             if not math.isfinite(value):
                 raise self._failure(f"der({state.name})", "is not finite")
 
-    def _failure(self, variable: str, problem: str) -> SimulationError:
-        holds = self._function([one.condition for one in self._failures])()
-        reasons = [one for one, held in zip(self._failures, holds, strict=True) if not held]
-        hint = "".join(f": {one.message}" for one in reasons)
+    def _failed_checks(self, points: Iterable[tuple[float, Array]]) -> list[Check]:
+        """Checks that explain a failure: those that do not hold at the first finite point where one does not."""
+        before = self.time, self.states
+        try:
+            for self.time, self.states in points:
+                if not np.isfinite(self.states).all():
+                    break
+                failed = [one for one, held in zip(self._explanations, self._conditions(), strict=True) if not held]
+                if failed:
+                    return failed
+            return []
+        finally:
+            self.time, self.states = before
+
+    def _failure(self, variable: str, problem: str, reasons: Sequence[Check] | None = None) -> SimulationError:
+        reasons = self._failed_checks([(self.time, self.states)]) if reasons is None else reasons
+        hint = f": {reasons[0].message}" if reasons else ""
         return SimulationError(
             f"{self.block.name}: {variable} {problem} at t = {self.time:.9g} s{hint}",
             block=self.block.name,

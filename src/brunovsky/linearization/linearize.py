@@ -64,15 +64,15 @@ class Linearization:
 
     @property
     def is_full(self) -> bool:
-        """Whether the chains are all of the extended system: total relative degree = number of its states.
+        """Whether the total relative degree is the number of states of the extended system.
 
-        Where they are not, the law leaves internal dynamics unobservable from the outputs.
+        Where it is not, the law leaves internal dynamics unobservable from the outputs.
         """
         return sum(self.relative_degree) == len(self.extended_system.states)
 
     @property
     def singular_locus(self) -> Any:
-        """Where the law does not exist: Eq(product of the factors of det G that may vanish, 0), or false."""
+        """Where the law does not exist, as Eq(product of the factors of det G that may vanish, 0), or false."""
         numerator = sp.fraction(self.determinant)[0]
         factors = [factor for factor, _ in sp.factor_list(numerator)[1] if not factor.is_nonzero]
         return sp.Eq(sp.Mul(*factors), 0) if factors else sp.false
