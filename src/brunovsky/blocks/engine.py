@@ -223,7 +223,8 @@ class NumpyEngine:
             if index:
                 self.event()
             time, start = begin + index * size, self.states
-            stages, slopes = [], []
+            stages: list[tuple[float, Array]] = []
+            slopes: list[Array] = []
             for fraction in (0.0, 0.5, 0.5, 1.0):
                 previous = slopes[-1] if slopes else np.zeros_like(start)
                 stages.append((time + fraction * size, start + fraction * size * previous))

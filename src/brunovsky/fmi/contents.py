@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 import fmpy
 
-from brunovsky._resources import runtime_folder
+from brunovsky._resources import resource, runtime_folder
 from brunovsky.blocks import Block
 from brunovsky.fmi.description2 import model_description
 from brunovsky.fmi.variables import scalar_variables
@@ -53,6 +53,7 @@ def fmu_files(block: Block) -> Mapping[str, bytes]:
     token = _token([blank, model.encode(), *runtime.values()])
     sources = runtime | {"model.c": model.encode(), "description.c": description_source(block, token).encode()}
     files = {f"sources/{name}": text for name, text in sources.items()}
+    files["documentation/licenses/brunovsky.txt"] = resource("LICENSE").read_bytes()  # of the runtime
     files["modelDescription.xml"] = model_description(block, token, SOURCE_FILES, __version__)
     files[f"binaries/{fmpy.platform}/{block.name}{fmpy.sharedLibraryExtension}"] = _binary(block.name, sources)
     return MappingProxyType(files)
