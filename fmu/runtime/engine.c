@@ -357,13 +357,18 @@ static int try_advance(Engine *engine, double stop)
     return engine_check_finite(engine);
 }
 
-int engine_advance(Engine *engine, double length)
+static int advance_to(Engine *engine, double stop)
 {
     engine_save(engine, engine->backup);
-    if (try_advance(engine, engine->time + length) == ENGINE_OK)
+    if (try_advance(engine, stop) == ENGINE_OK)
         return ENGINE_OK;
     engine_restore(engine, engine->backup);
     return ENGINE_FAILED;
+}
+
+int engine_advance(Engine *engine, double length)
+{
+    return advance_to(engine, engine->time + length);
 }
 
 static void record(Engine *engine, double *row)
@@ -382,10 +387,8 @@ long engine_run(Engine *engine, long n, double length, const double *inputs, dou
     const int width = model->ny + model->nx + model->nq + model->nm;
     const double begin = engine->time;
     for (long i = 0; i <= n; i++) {
-        if (i && engine_advance(engine, length) != ENGINE_OK)
+        if (i && advance_to(engine, begin + (double)i * length) != ENGINE_OK) /* roundings of time must not add up */
             return i;
-        if (i)
-            engine->time = begin + (double)i * length;
         memcpy(engine->u, inputs + i * model->nu, (size_t)model->nu * sizeof *inputs);
         if (engine_event(engine) != ENGINE_OK)
             return i;

@@ -20,7 +20,7 @@ from rich.table import Table
 
 import brunovsky as br
 from brunovsky._resources import resource
-from brunovsky.comparison import compare_study
+from brunovsky.comparison import compare_study, load_study
 from brunovsky.errors import BrunovskyError
 from brunovsky.fmi import export_fmu, shipped_fmus
 
@@ -115,13 +115,14 @@ def compare(
     """Run a study and write its report and metrics."""
     path = study if study.suffix == ".toml" else _shipped_study(str(study))
     folder = output or Path("build") / path.stem
+    loaded = load_study(path)
     with _progress() as progress:
-        task = progress.add_task("reading the study", total=None)
+        task = progress.add_task(loaded.title, total=None)
 
         def show(done: int, total: int, what: str) -> None:
             progress.update(task, completed=done, total=total, description=what)
 
-        written = compare_study(path, folder, engine=engine.value if engine else None, progress=show)
+        written = compare_study(loaded, folder, engine=engine.value if engine else None, progress=show)
     for one in written:
         _say(str(one))
 
@@ -142,8 +143,6 @@ def list_() -> None:
 
 
 def _first_title(path: Path) -> str:
-    from brunovsky.comparison import load_study
-
     return escape(load_study(path).title)
 
 
@@ -175,7 +174,9 @@ def main() -> None:
     """Entry point of the ``brunovsky`` command."""
     debug = "--debug" in sys.argv
     try:
-        app(standalone_mode=False)
+        status = app(standalone_mode=False)
+        if status == 130:  # how newer versions of typer report Ctrl-C
+            raise KeyboardInterrupt
     except BrunovskyError as error:
         if debug:
             raise

@@ -187,30 +187,25 @@ class NumpyEngine:
         SimulationError
             If a value is not finite; the instance then has the state from before the step.
         """
-        saved = (
-            self.time,
-            self.states.copy(),
-            self.samples.copy(),
-            self.modes.copy(),
-            self.relations.copy(),
-            self._due.copy(),
-        )
+        self._advance_to(self.time + length)
+
+    def _advance_to(self, end: float) -> None:
         start = self.time
+        arrays = (self.states, self.samples, self.modes, self.relations, self._due)
+        saved = [one.copy() for one in arrays]
         try:
             self.event()
-            while self.time < start + length:
-                stop = start + length
+            while self.time < end:
                 sample = self.next_sample_time()
-                if sample < stop - INSTANT_ROUNDING * self.step_size:
-                    stop = sample
+                stop = sample if sample < end - INSTANT_ROUNDING * self.step_size else end
                 self._integrate(stop)
-                if stop < start + length:
+                if stop < end:
                     self.event()
             self.update_relations()
             self._check_finite()
         except SimulationError as error:
-            self.time, self.states, self.samples, self.modes, self.relations, self._due = saved
-            error.time = start
+            self.states, self.samples, self.modes, self.relations, self._due = saved
+            self.time = error.time = start
             raise
 
     def _integrate(self, stop: float) -> None:
@@ -279,8 +274,7 @@ class NumpyEngine:
         try:
             for index, row in enumerate(inputs):
                 if index:
-                    self.advance(length)
-                    self.time = begin + index * length
+                    self._advance_to(begin + index * length)  # roundings of time must not add up
                 self.inputs = np.array(row, dtype=float)
                 self.event()
                 rows.append(self.values())
