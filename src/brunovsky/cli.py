@@ -20,7 +20,6 @@ from rich.table import Table
 
 import brunovsky as br
 from brunovsky._resources import resource
-from brunovsky.comparison import compare_study, load_study
 from brunovsky.errors import BrunovskyError
 from brunovsky.fmi import export_fmu, shipped_fmus
 
@@ -81,9 +80,7 @@ def derive(
 
 @app.command()
 def build(
-    blocks: Annotated[
-        list[str] | None, typer.Argument(metavar="[BLOCK]...", help="By default the FMUs that ship.")
-    ] = None,
+    blocks: Annotated[list[str] | None, typer.Argument(metavar="BLOCK", help="By default the FMUs that ship.")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder; the FMUs go to its fmi2/.")] = Path("build"),
     fmi: Annotated[FmiVersion, typer.Option("--fmi", help="FMI version.")] = FmiVersion.two,
     platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
@@ -113,6 +110,8 @@ def compare(
     ] = None,
 ) -> None:
     """Run a study and write its report and metrics."""
+    from brunovsky.comparison import compare_study, load_study  # here, since it takes longer than the other commands
+
     path = study if study.suffix == ".toml" else _shipped_study(str(study))
     folder = output or Path("build") / path.stem
     loaded = load_study(path)
@@ -143,6 +142,8 @@ def list_() -> None:
 
 
 def _first_title(path: Path) -> str:
+    from brunovsky.comparison import load_study
+
     return escape(load_study(path).title)
 
 
