@@ -155,7 +155,7 @@ int engine_check_parameters(Engine *engine, int model_exchange)
     model->periods(engine->p, engine->work);
     for (int i = 0; i < model->nq; i++)
         if (!(engine->work[i] > 0 && isfinite(engine->work[i])))
-            return fail(engine, model->q_names[i], "has a period that is not positive and finite");
+            return fail_because(engine, -1, model->q_names[i], "has a period that is not positive and finite");
     return ENGINE_OK;
 }
 
@@ -189,6 +189,14 @@ double engine_next_sample(const Engine *engine)
     return next;
 }
 
+/* Number of the sample after one that was due: the next, or if the period was tuned to a shorter one the first that
+ * lies ahead, as samples are neither made up for nor run backwards in time. */
+static long long next_number(const Engine *engine, long long number, double period)
+{
+    const double passed = floor((engine->time - engine->start_time) / period + INSTANT_ROUNDING);
+    return passed > (double)number && passed < 9e15 ? (long long)passed + 1 : number + 1;
+}
+
 static void run_samples(Engine *engine)
 {
     const Model *model = engine->model;
@@ -202,7 +210,7 @@ static void run_samples(Engine *engine)
             const double instant = engine->start_time + (double)engine->due[i] * period[i];
             if (model->q_rank[i] == rank && instant <= engine->time + INSTANT_ROUNDING * period[i]) {
                 engine->q[i] = updated[i];
-                engine->due[i]++;
+                engine->due[i] = next_number(engine, engine->due[i], period[i]);
                 changed = 1;
             }
         }
@@ -239,7 +247,7 @@ int engine_event(Engine *engine)
     }
     if (!run_transitions(engine))
         return ENGINE_OK;
-    return fail(engine, "events", "do not end: transitions still fire after 20 iterations");
+    return fail_because(engine, -1, "events", "do not end: transitions still fire after 20 iterations");
 }
 
 void engine_outputs(Engine *engine)
@@ -326,10 +334,8 @@ static int integrate(Engine *engine, double stop)
 {
     const double begin = engine->time, length = stop - begin;
     const double needed = ceil(length / engine->step_size - STEP_ROUNDING);
-    const long count = needed < 1 ? 1 : (long)fmin(needed, MAX_SUBSTEPS);
+    const long count = needed < 1 ? 1 : (long)needed;
     const double size = length / (double)count;
-    if (!(needed <= MAX_SUBSTEPS))
-        return fail(engine, "step_size", "is too small: the step would take over a billion substeps");
     for (long i = 0; i < count; i++) {
         if (i && engine_event(engine) != ENGINE_OK)
             return ENGINE_FAILED;
@@ -341,9 +347,23 @@ static int integrate(Engine *engine, double stop)
     return ENGINE_OK;
 }
 
+/* ENGINE_FAILED if a step of this length would not end in any time that one would wait. */
+static int check_length(Engine *engine, double length)
+{
+    const Model *model = engine->model;
+    if (!(length / engine->step_size <= MAX_SUBSTEPS))
+        return fail_because(engine, -1, "step_size", "is too small: the step would take over a billion substeps");
+    model->periods(engine->p, engine->work);
+    for (int i = 0; i < model->nq; i++)
+        if (!(length / engine->work[i] <= MAX_SUBSTEPS))
+            return fail_because(engine, -1, model->q_names[i],
+                                "has too short a period: the step would take over a billion samples");
+    return ENGINE_OK;
+}
+
 static int try_advance(Engine *engine, double stop)
 {
-    if (engine_event(engine) != ENGINE_OK)
+    if (check_length(engine, stop - engine->time) != ENGINE_OK || engine_event(engine) != ENGINE_OK)
         return ENGINE_FAILED;
     while (engine->time < stop) {
         const double sample = engine_next_sample(engine);

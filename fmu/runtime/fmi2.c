@@ -6,6 +6,7 @@
  * - Outputs belong to the inputs set last. At a communication point and in event mode relations are evaluated with
  *   them; samples and transitions wait for the step or the event. In continuous-time mode relations are frozen.
  * - A communication step of zero length does nothing and is fmi2OK with a warning in the log.
+ * - In event and continuous-time mode fmi2SetReal sets continuous states too, for masters that know no other way.
  * - fmi2SetupExperiment may be left out; the experiment then starts at 0 and has no end.
  * - Messages of warnings and errors are logged whatever the settings; "logEvents" only if it is switched on.
  */

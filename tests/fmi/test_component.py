@@ -131,6 +131,8 @@ def test_its_folder_lives_as_long_as_it_does(sampled_integrator):
         folder = two.directory
     assert not os.path.exists(folder)
     two.freeInstance()
+    with pytest.raises(ComponentError, match="fmi2DoStep: the component has ended"):
+        two.doStep(0.0, 0.1)
 
 
 @pytest.mark.parametrize(

@@ -197,6 +197,20 @@ def test_a_tunable_parameter_changes_at_events_only(loop):
         assert instance.get("rho[1]") == [0.5]
 
 
+def test_states_may_be_set_as_variables_as_casadi_does(robot):
+    with Driver(robot.folder, "ModelExchange") as instance:
+        instance.initialize()
+        instance.done("EnterEventMode")
+        assert instance.set({"eta[1]": 0.0}) == OK
+        assert instance.get("singular") == [1], "in event mode relations follow"
+        instance.enter_continuous_time()
+        assert instance.set({"x": 3.0, "eta[1]": 0.5, "v[1]": 1.0}) == OK
+        assert instance.vector("GetContinuousStates", 6) == [3.0, 0, 0, 0.5, 0, 0]
+        assert instance.get("der(y)", "singular") == [0.5, 1]
+        assert instance.set({"x": math.nan}) == ERROR
+        assert instance.set({"Z1[1]": 1.0}) == ERROR, "an output of another name, though equal to x"
+
+
 def test_states_without_bounds_have_nominals(robot):
     with Driver(robot.folder, "ModelExchange") as instance:
         assert instance.vector("GetNominalsOfContinuousStates", 6) == [1.0] * 6

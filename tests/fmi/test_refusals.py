@@ -207,6 +207,26 @@ def test_a_period_tuned_to_nothing_is_an_error(sampled_integrator, exported):
         assert "total has a period that is not positive and finite" in one.text
 
 
+@pytest.mark.parametrize(
+    ("period", "text"),
+    [
+        (0.5, "step_size is too small: the step would take over a billion substeps"),
+        (1e-5, "total has too short a period: the step would take over a billion samples"),
+    ],
+)
+def test_a_step_that_would_not_end_is_refused_where_there_are_samples_too(sampled_integrator, exported, period, text):
+    with Driver(exported(sampled_integrator).folder) as one:
+        one.initialize({"T": period, "step_size": 0.5})
+        assert one.step(0.0, 1e12 * period) == ERROR
+        assert text in one.text
+
+
+def test_a_failure_near_the_singularity_that_has_another_cause_does_not_blame_it(instance):
+    instance.initialize({"eta_start[1]": 0.0})
+    assert instance.step(0.0, 1e12) == ERROR
+    assert instance.text.endswith("the step would take over a billion substeps at t = 0 s")
+
+
 PHASES = {
     "instantiated": lambda one: None,
     "in initialization mode": lambda one: one.done("EnterInitializationMode"),

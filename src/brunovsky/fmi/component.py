@@ -45,6 +45,7 @@ class _Component:
     """What both kinds of component have: the files, the instance behind them, its messages and its end."""
 
     component: int | None
+    _close: weakref.finalize[..., Any] | None = None
 
     def __init__(self, block: Block, *, instance_name: str | None = None, logging: bool = False) -> None:
         self.block = block
@@ -77,6 +78,8 @@ class _Component:
         self._close = weakref.finalize(self, _release, library, handle, folder)
 
     def _call(self, name: str, *arguments: Any) -> Any:
+        if self._close and not self._close.alive:  # the library is unloaded
+            raise ComponentError(name, 3, f"{name}: the component has ended, as its with block or freeInstance() did")
         self.messages.clear()
         try:
             return super()._call(name, *arguments)  # type: ignore[misc]
@@ -85,7 +88,8 @@ class _Component:
 
     def freeInstance(self) -> None:
         """End of the instance; its folder is removed. The same as leaving the ``with`` block."""
-        self._close()
+        if self._close:
+            self._close()
         self.component = None
 
     def __enter__(self) -> Self:
