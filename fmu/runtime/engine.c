@@ -189,14 +189,6 @@ double engine_next_sample(const Engine *engine)
     return next;
 }
 
-/* Number of the sample after one that was due: the next, or if the period was tuned to a shorter one the first that
- * lies ahead, as samples are neither made up for nor run backwards in time. */
-static long long next_number(const Engine *engine, long long number, double period)
-{
-    const double passed = floor((engine->time - engine->start_time) / period + INSTANT_ROUNDING);
-    return passed > (double)number && passed < 9e15 ? (long long)passed + 1 : number + 1;
-}
-
 static void run_samples(Engine *engine)
 {
     const Model *model = engine->model;
@@ -210,7 +202,7 @@ static void run_samples(Engine *engine)
             const double instant = engine->start_time + (double)engine->due[i] * period[i];
             if (model->q_rank[i] == rank && instant <= engine->time + INSTANT_ROUNDING * period[i]) {
                 engine->q[i] = updated[i];
-                engine->due[i] = next_number(engine, engine->due[i], period[i]);
+                engine->due[i]++;
                 changed = 1;
             }
         }

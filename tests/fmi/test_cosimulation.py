@@ -1,14 +1,13 @@
 """Co-simulation: the numbers of the native engine, whatever else happens in the process."""
 
 import ctypes
-import dataclasses
 
 import fmpy
 import numpy as np
 import pytest
 from fmu_driver import ERROR, OK, Driver
 
-from brunovsky.blocks import Parameter, library
+from brunovsky.blocks import library
 from brunovsky.native import NativeEngine
 
 
@@ -179,19 +178,6 @@ def test_tunable_parameters_change_between_steps(robot):
         assert instance.get("der(eta[1])") == [2.0]
         assert instance.step(0.0, 0.1) == OK
         assert instance.get("eta[1]") == [pytest.approx(1.2)]
-
-
-def test_a_period_tuned_to_a_shorter_one_goes_on_from_there(sampled_integrator, exported):
-    period = Parameter("T", "s", "period", 0.5, 1e-6, tunable=True)
-    with Driver(exported(dataclasses.replace(sampled_integrator, name="retuned", parameters=(period,))).folder) as one:
-        one.initialize({"u": 1.0})
-        assert one.step(0.0, 2.25) == OK
-        assert one.get("total") == [2.5], "samples at 0, 0.5 to 2"
-        lag = one.get("lag")[0]
-        assert one.set({"T": 0.125}) == OK
-        assert one.step(2.25, 0.5) == OK
-        assert one.get("time", "total") == [2.75, 2.5 + 4 * 0.125], "one at 2.25, then 2.375 to 2.625, none made up for"
-        assert lag < one.get("lag")[0] < one.get("total")[0], "nothing ran backwards in time"
 
 
 def test_a_step_of_no_length_does_nothing_and_says_so(robot):

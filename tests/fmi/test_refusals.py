@@ -198,12 +198,12 @@ def test_events_without_end_are_an_error(exported):
         assert "endless: events do not end: transitions still fire after 20 iterations" in one.text
 
 
-def test_a_period_tuned_to_nothing_is_an_error(sampled_integrator, exported):
-    period = Parameter("T", "s", "period", 0.03, -1.0, tunable=True)
-    with Driver(exported(dataclasses.replace(sampled_integrator, name="tuned", parameters=(period,))).folder) as one:
-        one.initialize()
+def test_a_period_of_nothing_is_an_error(sampled_integrator, exported):
+    period = Parameter("T", "s", "period", 0.03, -1.0)
+    with Driver(exported(dataclasses.replace(sampled_integrator, name="idle", parameters=(period,))).folder) as one:
+        one.done("EnterInitializationMode")
         assert one.set({"T": 0.0}) == OK
-        assert one.step(0.0, 0.1) == ERROR
+        assert one.call("ExitInitializationMode") == ERROR
         assert "total has a period that is not positive and finite" in one.text
 
 

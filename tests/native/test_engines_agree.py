@@ -278,3 +278,12 @@ def test_symbols_of_parameters_reach_the_c_code_by_position() -> None:
         outputs=(Output("y", expression=a - 10 * b),),
     )
     assert br.simulate(block, 0.1, step_size=0.1, parameters={"b": 5.0})["y"].values[0] == 2.0 - 50.0
+
+
+@pytest.mark.parametrize("engine", [NativeEngine, NumpyEngine])
+def test_a_step_that_would_not_end_is_refused(engine: type, sampled_integrator: Block) -> None:
+    instance = engine(sampled_integrator, 0.01)
+    instance.initialize()
+    with pytest.raises(SimulationError, match="step_size is too small: the step would take over a billion substeps"):
+        instance.advance(1e12)
+    assert instance.time == 0.0

@@ -18,7 +18,7 @@ from brunovsky._frozen import FrozenMapping
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.relations import root_symbols
 from brunovsky.blocks.units import unit_exponents
-from brunovsky.blocks.variables import Check, Input, Output, Parameter, Relation, Sample, Variable, symbol
+from brunovsky.blocks.variables import Check, Input, Output, Parameter, Sample, Variable, symbol
 from brunovsky.errors import ModelError
 
 Parts = dict[str, list[Any]]
@@ -26,7 +26,7 @@ Export = Mapping[str, str | Sequence[str]]
 V = TypeVar("V", bound=Input | Parameter)
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Diagram(Block):
     """Named blocks and the connections between them.
 
@@ -151,7 +151,6 @@ def _flattened(wires: _Wires, values: Mapping[str, float]) -> Parts:
     joined = _mapped(joined, _resolved(wires, merged | exported))
     expressions = {one.name: one for one in joined["outputs"]}
     joined["outputs"] = [dataclasses.replace(expressions[source], name=name) for name, source in wires.outputs.items()]
-    joined["relations"] = _ordered_relations(joined["relations"])
     joined["samples"] = _ranked(wires.name, joined, origins)
     carriers = {one.symbol: one.name for key in ("states", "samples", "modes") for one in joined[key]}
     aliases: dict[sp.Symbol, str] = {}
@@ -214,13 +213,6 @@ def _common_range(sharing: Sequence[Variable]) -> dict[str, Any]:
         "maximum": min(one.maximum for one in parameters),
         "tunable": all(one.tunable for one in parameters),
     }
-
-
-def _ordered_relations(relations: Sequence[Relation]) -> list[Relation]:
-    """Relations in an order in which each is evaluated after those it depends on."""
-    known = {one.symbol: one for one in relations}
-    graph = {one.symbol: [other for other in known if other in one.expression.free_symbols] for one in relations}
-    return [known[one] for one in TopologicalSorter(graph).static_order()]
 
 
 def _ranked(diagram: str, parts: Parts, origins: Mapping[sp.Symbol, int]) -> list[Sample]:

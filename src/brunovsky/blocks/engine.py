@@ -125,7 +125,7 @@ class NumpyEngine:
         self._due[:] = 0
         for sample, period in zip(self.block.samples, self._periods(), strict=True):
             if not (period > 0 and math.isfinite(period)):
-                raise self._failure(sample.name, "has a period that is not positive and finite")
+                raise self._failure(sample.name, "has a period that is not positive and finite", [])
         self.event()
         self._check_finite()
 
@@ -139,7 +139,9 @@ class NumpyEngine:
                 return
             self.update_relations()
         if any(self._guards()):
-            raise self._failure("events", f"do not end: transitions still fire after {MAX_EVENT_ITERATIONS} iterations")
+            raise self._failure(
+                "events", f"do not end: transitions still fire after {MAX_EVENT_ITERATIONS} iterations", []
+            )
 
     def update_relations(self) -> None:
         """Evaluate the relations, each after those it depends on."""
@@ -190,6 +192,7 @@ class NumpyEngine:
         self._advance_to(self.time + length)
 
     def _advance_to(self, end: float) -> None:
+        self._check_length(end - self.time)
         start = self.time
         arrays = (self.states, self.samples, self.modes, self.relations, self._due)
         saved = [one.copy() for one in arrays]
@@ -208,11 +211,17 @@ class NumpyEngine:
             self.time = error.time = start
             raise
 
+    def _check_length(self, length: float) -> None:
+        if length / self.step_size > MAX_SUBSTEPS:
+            raise self._failure("step_size", "is too small: the step would take over a billion substeps", [])
+        for sample, period in zip(self.block.samples, self._periods(), strict=True):
+            if length / period > MAX_SUBSTEPS:
+                problem = "has too short a period: the step would take over a billion samples"
+                raise self._failure(sample.name, problem, [])
+
     def _integrate(self, stop: float) -> None:
         begin = self.time
         count = step_count(stop - begin, self.step_size)
-        if count > MAX_SUBSTEPS:
-            raise self._failure("step_size", "is too small: the step would take over a billion substeps")
         size = (stop - begin) / count
         for index in range(count):
             if index:

@@ -58,7 +58,7 @@ class Guard:
         """What explains a step that fails at the singularity."""
         return Check(
             "singular",
-            sp.Abs(self.denominator) > self.limit.symbol,
+            sp.Or(self.limit.symbol > 0, sp.Ne(self.denominator, 0)),
             f"the linearising law is singular at {self.shown} = 0; start away from it or set {self.limit.name} > 0",
             when="failure",
         )

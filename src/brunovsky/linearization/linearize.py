@@ -18,7 +18,7 @@ from brunovsky.linearization.validation import resolve
 _ZERO = 1e-12
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Linearization:
     """A plant, its dynamic extension and the law that turns it into chains of integrators y_i^(r_i) = v_i.
 
@@ -76,6 +76,10 @@ class Linearization:
         numerator = sp.fraction(self.determinant)[0]
         factors = [factor for factor, _ in sp.factor_list(numerator)[1] if not factor.is_nonzero]
         return sp.Eq(sp.Mul(*factors), 0) if factors else sp.false
+
+    def __repr__(self) -> str:
+        full = "full" if self.is_full else "not full"
+        return f"<Linearization: relative degree {self.relative_degree}, det G = {self.determinant}, {full}>"
 
     def explain(self) -> str:
         """Return the derivation step by step, as on the board, as plain text."""
