@@ -1,11 +1,12 @@
 """The command line: derive, build, compare, list.
 
-Exit status 0 on success, 1 on a failed check, 2 on unusable input, 130 on Ctrl-C, with one readable line and no
+Exit status 0 on success, 1 on a failed check or a comparison all of whose runs failed, 2 on unusable input, 130 on Ctrl-C, with one readable line and no
 traceback unless ``--debug``.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Mapping
 from enum import StrEnum
@@ -20,13 +21,14 @@ from rich.table import Table
 
 import brunovsky as br
 from brunovsky._resources import resource
-from brunovsky.errors import BrunovskyError
+from brunovsky.errors import BrunovskyError, unknown_name
 from brunovsky.fmi import export_fmu, shipped_fmus
 
 app = typer.Typer(
     name="brunovsky",
     help="Feedback linearisation, sliding-mode and linear outer loops, FMUs and comparison reports.",
-    no_args_is_help=True,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -63,9 +65,15 @@ class Platform(StrEnum):
 
 @app.callback()
 def _options(
+    context: typer.Context,
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.", is_eager=True)] = False,
 ) -> None:
     """Accept the options that hold for all commands; ``--debug`` is read by :func:`main`."""
+    if version:
+        _say(br.__version__)
+    elif context.invoked_subcommand is None:
+        sys.stdout.write(context.get_help() + "\n")
 
 
 @app.command()
@@ -124,6 +132,12 @@ def compare(
         written = compare_study(loaded, folder, engine=engine.value if engine else None, progress=show)
     for one in written:
         _say(str(one))
+    runs = json.loads(written.metrics.read_text(encoding="utf-8"))["runs"]
+    failed = [run for run in runs if run["status"] != "ok"]
+    for run in failed:
+        _err.print(f"brunovsky: {escape(run['name'])} failed: {escape(str(run['status_message']))}", soft_wrap=True)
+    if len(failed) == len(runs):
+        sys.exit(1)
 
 
 @app.command("list")
@@ -144,12 +158,15 @@ def list_() -> None:
 def _first_title(path: Path) -> str:
     from brunovsky.comparison import load_study
 
-    return escape(load_study(path).title)
+    try:
+        return escape(load_study(path).title)
+    except BrunovskyError as error:
+        return escape(f"unusable: {error}")
 
 
 def _known(name: str, known: Mapping[str, T], kind: str) -> T:
     if name not in known:
-        raise BrunovskyError(f"there is no {kind} '{name}'; there are {', '.join(known)}")
+        raise BrunovskyError(f"there is {unknown_name(kind, name, known)}")
     return known[name]
 
 
@@ -157,8 +174,8 @@ def _shipped_study(name: str) -> Path:
     folder = resource("comparisons")
     path = folder / f"{name}.toml"
     if not path.exists():
-        known = ", ".join(sorted(one.stem for one in folder.glob("*.toml")))
-        raise BrunovskyError(f"there is no study '{name}'; give a .toml file or one that ships: {known}")
+        known = sorted(one.stem for one in folder.glob("*.toml"))
+        raise BrunovskyError(f"'{name}' is not a .toml file, and there is {unknown_name('study', name, known)}")
     return path
 
 

@@ -163,9 +163,11 @@ def test_parameters_out_of_range_are_refused(value: float) -> None:
         block.parameter_values({"p": value})
 
 
-def test_unknown_parameter_is_named_with_the_known_ones() -> None:
-    with pytest.raises(ParameterError, match=r"circle has no parameter 'radios'; it has center\[1\],"):
+def test_unknown_parameter_is_named_with_the_nearest_or_all() -> None:
+    with pytest.raises(ParameterError, match=r"circle has no parameter 'radios'; did you mean 'radius'\?"):
         br.simulate(br.blocks.circle(), 1.0, parameters={"radios": 1.0})
+    with pytest.raises(ParameterError, match=r"circle has no parameter 'zzz'; there is center\[1\], center\[2\], rad"):
+        br.simulate(br.blocks.circle(), 1.0, parameters={"zzz": 1.0})
 
 
 def test_checks_of_parameters() -> None:
@@ -184,10 +186,15 @@ def test_checks_of_parameters() -> None:
         ({"t_end": 0.0}, "t_end = 0.0 s"),
         ({"t_end": math.inf}, "t_end = inf"),
         ({"step_size": -1.0}, "step_size = -1.0 s"),
-        ({"inputs": {"v[9]": 1.0}}, r"no input 'v\[9\]'"),
+        (
+            {"inputs": {"v[9]": 1.0}},
+            r"no input 'v\[9\]'; did you mean 'v\[2\]'|no input 'v\[9\]'; did you mean 'v\[1\]'",
+        ),
+        ({"t_end": "1"}, "t_end = '1' and step_size = 0.001 must be numbers"),
+        ({"parameters": {"eta_min": "a"}}, "eta_min = 'a' is not a number"),
         ({"inputs": {"v[1]": math.nan}}, r"input 'v\[1\]' is not finite"),
         ({"inputs": {"v[1]": [1.0, 2.0]}}, r"shape \(2,\); give one value or 11"),
-        ({"record": ["speed"]}, r"no 'speed' to record"),
+        ({"record": ["speed"]}, r"no variable to record 'speed'"),
     ],
 )
 def test_simulate_refuses_bad_input(options: dict[str, object], message: str) -> None:
@@ -260,3 +267,8 @@ def test_blocks_show_themselves_shortly() -> None:
     table = br.blocks.circle().table().splitlines()
     assert table[0].startswith("| name ") and len(table) == 2 + 13 and len({len(line) for line in table}) == 1
     assert repr(br.blocks.robot_linearization()) == "<Linearization: relative degree (3, 3), det G = -eta_1, full>"
+
+
+def test_forgotten_parentheses_are_named() -> None:
+    with pytest.raises(ModelError, match="simulate takes a Block, not <function closed_loop.*parentheses"):
+        br.simulate(br.blocks.closed_loop, 1.0)  # type: ignore[arg-type]

@@ -27,7 +27,7 @@ from brunovsky.blocks.variables import (
     Transition,
     Variable,
 )
-from brunovsky.errors import ModelError, ParameterError
+from brunovsky.errors import ModelError, ParameterError, unknown_name
 
 V = TypeVar("V", bound=Variable)
 _FROM_PARAMETERS = "parameters"
@@ -276,8 +276,11 @@ class Block:
         result = {parameter.name: parameter.value for parameter in self.parameters}
         for name, value in (values or {}).items():
             if name not in result:
-                raise ParameterError(f"{self.name} has no parameter '{name}'; it has {', '.join(result) or 'none'}")
-            result[name] = float(value)
+                raise ParameterError(f"{self.name} has {unknown_name('parameter', name, result)}")
+            try:
+                result[name] = float(value)
+            except (TypeError, ValueError):
+                raise ParameterError(f"{self.name}: {name} = {value!r} is not a number") from None
         for parameter in self.parameters:
             value = result[parameter.name]
             if not math.isfinite(value) or not parameter.minimum <= value <= parameter.maximum:
