@@ -127,15 +127,19 @@ void engine_reset(Engine *engine)
         engine->m[i] = 0;
 }
 
-static int fail(Engine *engine, const char *variable, const char *problem)
+static int fail_because(Engine *engine, int check, const char *variable, const char *problem)
 {
     const Model *model = engine->model;
-    const int check = model->failure_check(VALUES(engine));
     engine->reason = check < 0 ? "diverged" : model->check_names[check];
     snprintf(engine->variable, sizeof engine->variable, "%s", variable);
     snprintf(engine->message, sizeof engine->message, "%s: %s %s at t = %.9g s%s%s", model->name, variable, problem,
              engine->time, check < 0 ? "" : ": ", check < 0 ? "" : model->check_messages[check]);
     return ENGINE_FAILED;
+}
+
+static int fail(Engine *engine, const char *variable, const char *problem)
+{
+    return fail_because(engine, engine->model->failure_check(VALUES(engine)), variable, problem);
 }
 
 int engine_check_parameters(Engine *engine, int model_exchange)
@@ -151,7 +155,7 @@ int engine_check_parameters(Engine *engine, int model_exchange)
     model->periods(engine->p, engine->work);
     for (int i = 0; i < model->nq; i++)
         if (!(engine->work[i] > 0 && isfinite(engine->work[i])))
-            return fail(engine, model->q_names[i], "has a period that is not positive and finite");
+            return fail_because(engine, -1, model->q_names[i], "has a period that is not positive and finite");
     return ENGINE_OK;
 }
 
@@ -235,7 +239,7 @@ int engine_event(Engine *engine)
     }
     if (!run_transitions(engine))
         return ENGINE_OK;
-    return fail(engine, "events", "do not end: transitions still fire after 20 iterations");
+    return fail_because(engine, -1, "events", "do not end: transitions still fire after 20 iterations");
 }
 
 void engine_outputs(Engine *engine)
@@ -270,6 +274,27 @@ int engine_check_finite(Engine *engine)
     return ENGINE_OK;
 }
 
+/* What explains a step that is not finite: the first check that fails at one of its stages that still are. */
+static int failed_stage_check(Engine *engine, double h)
+{
+    static const double fraction[] = {0, 0.5, 0.5, 1};
+    const Model *model = engine->model;
+    const int n = model->nx;
+    double *slopes = engine->work, *stage = slopes + 4 * n;
+    for (int k = 0; k < 4; k++) {
+        for (int i = 0; i < n; i++) {
+            stage[i] = k ? engine->x[i] + fraction[k] * h * slopes[(k - 1) * n + i] : engine->x[i];
+            if (!isfinite(stage[i]))
+                return -1;
+        }
+        const int check = model->failure_check(engine->time + fraction[k] * h, stage, engine->u, engine->p, engine->q,
+                                               engine->m, engine->r);
+        if (check >= 0)
+            return check;
+    }
+    return -1;
+}
+
 static int rk4_step(Engine *engine, double h)
 {
     const Model *model = engine->model;
@@ -292,7 +317,7 @@ static int rk4_step(Engine *engine, double h)
         stage[i] = x[i] + h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
     for (int i = 0; i < n; i++)
         if (!isfinite(stage[i]))
-            return fail(engine, model->x_names[i], "is not finite after the step");
+            return fail_because(engine, failed_stage_check(engine, h), model->x_names[i], "is not finite after the step");
     memcpy(x, stage, (size_t)n * sizeof *x);
     return ENGINE_OK;
 }
@@ -301,10 +326,8 @@ static int integrate(Engine *engine, double stop)
 {
     const double begin = engine->time, length = stop - begin;
     const double needed = ceil(length / engine->step_size - STEP_ROUNDING);
-    const long count = needed < 1 ? 1 : (long)fmin(needed, MAX_SUBSTEPS);
+    const long count = needed < 1 ? 1 : (long)needed;
     const double size = length / (double)count;
-    if (!(needed <= MAX_SUBSTEPS))
-        return fail(engine, "step_size", "is too small: the step would take over a billion substeps");
     for (long i = 0; i < count; i++) {
         if (i && engine_event(engine) != ENGINE_OK)
             return ENGINE_FAILED;
@@ -316,9 +339,23 @@ static int integrate(Engine *engine, double stop)
     return ENGINE_OK;
 }
 
+/* ENGINE_FAILED if a step of this length would not end in any time that one would wait. */
+static int check_length(Engine *engine, double length)
+{
+    const Model *model = engine->model;
+    if (!(length / engine->step_size <= MAX_SUBSTEPS))
+        return fail_because(engine, -1, "step_size", "is too small: the step would take over a billion substeps");
+    model->periods(engine->p, engine->work);
+    for (int i = 0; i < model->nq; i++)
+        if (!(length / engine->work[i] <= MAX_SUBSTEPS))
+            return fail_because(engine, -1, model->q_names[i],
+                                "has too short a period: the step would take over a billion samples");
+    return ENGINE_OK;
+}
+
 static int try_advance(Engine *engine, double stop)
 {
-    if (engine_event(engine) != ENGINE_OK)
+    if (check_length(engine, stop - engine->time) != ENGINE_OK || engine_event(engine) != ENGINE_OK)
         return ENGINE_FAILED;
     while (engine->time < stop) {
         const double sample = engine_next_sample(engine);
@@ -332,13 +369,18 @@ static int try_advance(Engine *engine, double stop)
     return engine_check_finite(engine);
 }
 
-int engine_advance(Engine *engine, double length)
+static int advance_to(Engine *engine, double stop)
 {
     engine_save(engine, engine->backup);
-    if (try_advance(engine, engine->time + length) == ENGINE_OK)
+    if (try_advance(engine, stop) == ENGINE_OK)
         return ENGINE_OK;
     engine_restore(engine, engine->backup);
     return ENGINE_FAILED;
+}
+
+int engine_advance(Engine *engine, double length)
+{
+    return advance_to(engine, engine->time + length);
 }
 
 static void record(Engine *engine, double *row)
@@ -357,10 +399,8 @@ long engine_run(Engine *engine, long n, double length, const double *inputs, dou
     const int width = model->ny + model->nx + model->nq + model->nm;
     const double begin = engine->time;
     for (long i = 0; i <= n; i++) {
-        if (i && engine_advance(engine, length) != ENGINE_OK)
+        if (i && advance_to(engine, begin + (double)i * length) != ENGINE_OK) /* roundings of time must not add up */
             return i;
-        if (i)
-            engine->time = begin + (double)i * length;
         memcpy(engine->u, inputs + i * model->nu, (size_t)model->nu * sizeof *inputs);
         if (engine_event(engine) != ENGINE_OK)
             return i;

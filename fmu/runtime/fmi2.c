@@ -6,6 +6,8 @@
  * - Outputs belong to the inputs set last. At a communication point and in event mode relations are evaluated with
  *   them; samples and transitions wait for the step or the event. In continuous-time mode relations are frozen.
  * - A communication step of zero length does nothing and is fmi2OK with a warning in the log.
+ * - In event and continuous-time mode fmi2SetReal sets continuous states too, for masters that know no other way.
+ * - fmi2SetupExperiment may be left out; the experiment then starts at 0 and has no end.
  * - Messages of warnings and errors are logged whatever the settings; "logEvents" only if it is switched on.
  */
 #include "fmi2Functions.h"
@@ -86,7 +88,7 @@ static int refused(const Fmu *fmu, const char *function, int phases)
     return result != DONE;
 }
 
-/* The same for a function of model exchange, that also initialization mode has. */
+/* The same for a function that only model exchange has, in phases that co-simulation has too. */
 static int refused_exchange(const Fmu *fmu, const char *function, int phases)
 {
     if (fmu && !fmu->instance->model_exchange)
@@ -161,11 +163,14 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         problem = "the instance has no name";
     else if (fmuType != fmi2CoSimulation && fmuType != fmi2ModelExchange)
         problem = "the type is neither fmi2CoSimulation nor fmi2ModelExchange";
-    else if (!fmuGUID || strcmp(fmuGUID, brunovsky_description.token) != 0)
-        problem = "the guid of the description is not that of this binary; do not mix files of different FMUs";
     if (problem) {
-        write_log(logger, environment, name, fmi2Error, "logStatusError", "%s: %s (guid %s, binary %s)", __func__, problem,
-                  fmuGUID ? fmuGUID : "NULL", brunovsky_description.token);
+        write_log(logger, environment, name, fmi2Error, "logStatusError", "%s: %s", __func__, problem);
+        return NULL;
+    }
+    if (!fmuGUID || strcmp(fmuGUID, brunovsky_description.token) != 0) {
+        write_log(logger, environment, name, fmi2Error, "logStatusError",
+                  "%s: the guid is %s, but this binary has %s; do not mix files of different FMUs", __func__,
+                  fmuGUID ? fmuGUID : "a null pointer", brunovsky_description.token);
         return NULL;
     }
     fmu = calloc(1, sizeof *fmu);
@@ -413,7 +418,7 @@ fmi2Status fmi2EnterEventMode(fmi2Component c)
     Fmu *fmu = c;
     if (refused(fmu, __func__, EVENT | CONTINUOUS_TIME))
         return fmi2Error;
-    fmu->instance->phase = EVENT;
+    instance_enter_event(fmu->instance);
     return fmi2OK;
 }
 

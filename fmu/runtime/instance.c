@@ -172,8 +172,8 @@ static Result check_parameters(Instance *instance)
     return DONE;
 }
 
-/* Makes what is calculated belong to the values set: start values before the run; relations too where inputs changed
- * at a communication point or an event, so that outputs are of the branch that belongs to the new inputs. */
+/* Makes what is calculated belong to the values set: start values before the run; relations too at a communication
+ * point where inputs changed and in event mode, so that outputs are of the branch that belongs to these values. */
 static Result refresh(Instance *instance)
 {
     Engine *engine = instance->engine;
@@ -231,11 +231,26 @@ Result instance_get(Instance *instance, Type type, unsigned reference, double *v
     return isfinite(*value) ? DONE : not_finite(instance, name_of(kind, index));
 }
 
-/* FAILED unless a variable of this kind may be set now. */
+/* Index of the continuous state that a variable is, itself or as the output of the same name; -1 if it is none. */
+static int state_of(Kind kind, int index)
+{
+    const Model *model = &brunovsky_model;
+    if (kind == STATE)
+        return index;
+    for (int i = 0; kind == OUTPUT && i < model->nx; i++)
+        if (strcmp(model->x_names[i], model->y_names[index]) == 0)
+            return i;
+    return -1;
+}
+
+/* FAILED unless a variable of this kind may be set now. Solvers that know no fmi2SetContinuousStates (casadi) set states
+ * as variables. */
 static Result settable(Instance *instance, Kind kind, int index)
 {
     const char *name = name_of(kind, index);
     const int tunable = kind == PARAMETER && brunovsky_description.p_tunable[index];
+    if (instance->phase & (EVENT | CONTINUOUS_TIME) && state_of(kind, index) >= 0)
+        return DONE;
     if (kind == TIME)
         return report(instance, FAILED, "time is the independent variable and cannot be set as a variable");
     if (kind >= OUTPUT)
@@ -283,13 +298,16 @@ void instance_set(Instance *instance, unsigned reference, double value)
 {
     Engine *engine = instance->engine;
     int index;
-    switch (locate(reference, &index)) {
+    const Kind kind = locate(reference, &index);
+    switch (kind) {
     case PARAMETER:
         engine->p[index] = value;
         instance->parameters_checked = 0;
         break;
     case INPUT: engine->u[index] = value; break;
     case STEP_SIZE: engine->step_size = value; break;
+    case OUTPUT:
+    case STATE: engine->x[state_of(kind, index)] = value; break;
     default: break;
     }
     instance->started = instance->relations_current = 0;
@@ -433,6 +451,13 @@ Result instance_get_indicators(Instance *instance, double *indicators, size_t co
         indicators[i] = instance->z[i] + instance->side[i] * INDICATOR_SHIFT;
     }
     return DONE;
+}
+
+void instance_enter_event(Instance *instance)
+{
+    instance->phase = EVENT;
+    instance->relations_current = 0;
+    outdate(instance);
 }
 
 Result instance_event(Instance *instance, Event *event)

@@ -68,6 +68,7 @@ Result instance_set_states(Instance *instance, const double *states, size_t coun
 Result instance_get_states(Instance *instance, double *states, size_t count);
 Result instance_get_derivatives(Instance *instance, double *derivatives, size_t count);
 Result instance_get_indicators(Instance *instance, double *indicators, size_t count);
+void instance_enter_event(Instance *instance);
 Result instance_event(Instance *instance, Event *event);
 Result instance_enter_continuous_time(Instance *instance);
 Result instance_complete_step(Instance *instance, int *event_needed);

@@ -5,14 +5,20 @@ The way the data flows: an :class:`AffineSystem` is linearised (:func:`linearize
 simulation (:func:`simulate`), an FMU (:func:`export_fmu`) or an in-process component (:func:`component`).
 """
 
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
 
-from brunovsky import analysis, blocks
-from brunovsky.analysis import to_control
+from brunovsky import blocks
 from brunovsky.blocks import Block, Diagram, linearized_block
 from brunovsky.errors import BrunovskyError
+from brunovsky.fmi import component, export_fmu
 from brunovsky.linearization import AffineSystem, Linearization, linearize
 from brunovsky.native import simulate
+
+if TYPE_CHECKING:
+    from brunovsky import analysis
+    from brunovsky.analysis import to_control
 
 try:
     __version__ = version("brunovsky")
@@ -27,8 +33,23 @@ __all__ = [
     "Linearization",
     "analysis",
     "blocks",
+    "component",
+    "export_fmu",
     "linearize",
     "linearized_block",
     "simulate",
     "to_control",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import :mod:`brunovsky.analysis` when it is first used: python-control takes longer than all the rest."""
+    if name == "analysis":
+        return import_module("brunovsky.analysis")
+    if name == "to_control":
+        return import_module("brunovsky.analysis").to_control
+    raise AttributeError(f"module 'brunovsky' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

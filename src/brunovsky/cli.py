@@ -1,11 +1,12 @@
 """The command line: derive, build, compare, list.
 
-Exit status 0 on success, 1 on a failed check, 2 on unusable input, 130 on Ctrl-C, with one readable line and no
+Exit status 0 on success, 1 on a failed check or a comparison all of whose runs failed, 2 on unusable input, 130 on Ctrl-C, with one readable line and no
 traceback unless ``--debug``.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Mapping
 from enum import StrEnum
@@ -20,14 +21,14 @@ from rich.table import Table
 
 import brunovsky as br
 from brunovsky._resources import resource
-from brunovsky.comparison import compare_study
-from brunovsky.errors import BrunovskyError
-from brunovsky.fmi import export_fmu, load_manifest
+from brunovsky.errors import BrunovskyError, unknown_name
+from brunovsky.fmi import export_fmu, shipped_fmus
 
 app = typer.Typer(
     name="brunovsky",
     help="Feedback linearisation, sliding-mode and linear outer loops, FMUs and comparison reports.",
-    no_args_is_help=True,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -64,9 +65,15 @@ class Platform(StrEnum):
 
 @app.callback()
 def _options(
+    context: typer.Context,
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.", is_eager=True)] = False,
 ) -> None:
     """Accept the options that hold for all commands; ``--debug`` is read by :func:`main`."""
+    if version:
+        _say(br.__version__)
+    elif context.invoked_subcommand is None:
+        sys.stdout.write(context.get_help() + "\n")
 
 
 @app.command()
@@ -81,15 +88,13 @@ def derive(
 
 @app.command()
 def build(
-    blocks: Annotated[
-        list[str] | None, typer.Argument(metavar="[BLOCK]...", help="By default the FMUs that ship.")
-    ] = None,
+    blocks: Annotated[list[str] | None, typer.Argument(metavar="BLOCK", help="By default the FMUs that ship.")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder; the FMUs go to its fmi2/.")] = Path("build"),
     fmi: Annotated[FmiVersion, typer.Option("--fmi", help="FMI version.")] = FmiVersion.two,
     platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
 ) -> None:
     """Build FMUs: co-simulation and model exchange in one file, no interpreter inside."""
-    names = blocks or list(load_manifest())
+    names = blocks or list(shipped_fmus())
     chosen = {name: _known(name, BLOCKS, "block") for name in names}
     with _progress() as progress:
         task = progress.add_task("building FMUs", total=len(chosen))
@@ -113,23 +118,32 @@ def compare(
     ] = None,
 ) -> None:
     """Run a study and write its report and metrics."""
+    from brunovsky.comparison import compare_study, load_study  # here, since it takes longer than the other commands
+
     path = study if study.suffix == ".toml" else _shipped_study(str(study))
     folder = output or Path("build") / path.stem
+    loaded = load_study(path)
     with _progress() as progress:
-        task = progress.add_task("reading the study", total=None)
+        task = progress.add_task(loaded.title, total=None)
 
         def show(done: int, total: int, what: str) -> None:
             progress.update(task, completed=done, total=total, description=what)
 
-        written = compare_study(path, folder, engine=engine.value if engine else None, progress=show)
+        written = compare_study(loaded, folder, engine=engine.value if engine else None, progress=show)
     for one in written:
         _say(str(one))
+    runs = json.loads(written.metrics.read_text(encoding="utf-8"))["runs"]
+    failed = [run for run in runs if run["status"] != "ok"]
+    for run in failed:
+        _err.print(f"brunovsky: {escape(run['name'])} failed: {escape(str(run['status_message']))}", soft_wrap=True)
+    if len(failed) == len(runs):
+        sys.exit(1)
 
 
 @app.command("list")
 def list_() -> None:
     """List the systems, blocks and studies that ship."""
-    shipped = load_manifest()
+    shipped = shipped_fmus()
     table = Table("kind", "name", "what it is", box=None, pad_edge=False)
     for name, make in SYSTEMS.items():
         degree = make().relative_degree
@@ -144,12 +158,15 @@ def list_() -> None:
 def _first_title(path: Path) -> str:
     from brunovsky.comparison import load_study
 
-    return escape(load_study(path).title)
+    try:
+        return escape(load_study(path).title)
+    except BrunovskyError as error:
+        return escape(f"unusable: {error}")
 
 
 def _known(name: str, known: Mapping[str, T], kind: str) -> T:
     if name not in known:
-        raise BrunovskyError(f"there is no {kind} '{name}'; there are {', '.join(known)}")
+        raise BrunovskyError(f"there is {unknown_name(kind, name, known)}")
     return known[name]
 
 
@@ -157,8 +174,8 @@ def _shipped_study(name: str) -> Path:
     folder = resource("comparisons")
     path = folder / f"{name}.toml"
     if not path.exists():
-        known = ", ".join(sorted(one.stem for one in folder.glob("*.toml")))
-        raise BrunovskyError(f"there is no study '{name}'; give a .toml file or one that ships: {known}")
+        known = sorted(one.stem for one in folder.glob("*.toml"))
+        raise BrunovskyError(f"'{name}' is not a .toml file, and there is {unknown_name('study', name, known)}")
     return path
 
 
@@ -175,7 +192,9 @@ def main() -> None:
     """Entry point of the ``brunovsky`` command."""
     debug = "--debug" in sys.argv
     try:
-        app(standalone_mode=False)
+        status = app(standalone_mode=False)
+        if status == 130:  # how newer versions of typer report Ctrl-C
+            raise KeyboardInterrupt
     except BrunovskyError as error:
         if debug:
             raise

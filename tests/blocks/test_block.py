@@ -163,9 +163,11 @@ def test_parameters_out_of_range_are_refused(value: float) -> None:
         block.parameter_values({"p": value})
 
 
-def test_unknown_parameter_is_named_with_the_known_ones() -> None:
-    with pytest.raises(ParameterError, match=r"circle has no parameter 'radios'; it has center\[1\],"):
+def test_unknown_parameter_is_named_with_the_nearest_or_all() -> None:
+    with pytest.raises(ParameterError, match=r"circle has no parameter 'radios'; did you mean 'radius'\?"):
         br.simulate(br.blocks.circle(), 1.0, parameters={"radios": 1.0})
+    with pytest.raises(ParameterError, match=r"circle has no parameter 'zzz'; there is center\[1\], center\[2\], rad"):
+        br.simulate(br.blocks.circle(), 1.0, parameters={"zzz": 1.0})
 
 
 def test_checks_of_parameters() -> None:
@@ -184,10 +186,15 @@ def test_checks_of_parameters() -> None:
         ({"t_end": 0.0}, "t_end = 0.0 s"),
         ({"t_end": math.inf}, "t_end = inf"),
         ({"step_size": -1.0}, "step_size = -1.0 s"),
-        ({"inputs": {"v[9]": 1.0}}, r"no input 'v\[9\]'"),
+        (
+            {"inputs": {"v[9]": 1.0}},
+            r"no input 'v\[9\]'; did you mean 'v\[2\]'|no input 'v\[9\]'; did you mean 'v\[1\]'",
+        ),
+        ({"t_end": "1"}, "t_end = '1' and step_size = 0.001 must be numbers"),
+        ({"parameters": {"eta_min": "a"}}, "eta_min = 'a' is not a number"),
         ({"inputs": {"v[1]": math.nan}}, r"input 'v\[1\]' is not finite"),
         ({"inputs": {"v[1]": [1.0, 2.0]}}, r"shape \(2,\); give one value or 11"),
-        ({"record": ["speed"]}, r"no 'speed' to record"),
+        ({"record": ["speed"]}, r"no variable to record 'speed'"),
     ],
 )
 def test_simulate_refuses_bad_input(options: dict[str, object], message: str) -> None:
@@ -200,3 +207,68 @@ def test_simulation_is_labelled() -> None:
     assert list(result) == ["x", "singular", "u[2]"]
     assert result.sizes["time"] == 11 and result["time"].attrs["units"] == "s"
     assert result["u[2]"].attrs["units"] == "rad/s2" and result["singular"].dtype == bool
+
+
+def test_defaults_out_of_range_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"bad: p = 3 1 is not a finite number from 0 to 2"):
+        Block("bad", parameters=[Parameter("p", "1", "", 3.0, 0.0, 2.0)])
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        ({"inputs": Input("u")}, r"inputs must be a sequence; write inputs=\[Input\(…\)\]"),
+        ({"inputs": ["u"]}, r"inputs must be made of Input\(…\), not 'u'"),
+        ({"outputs": [Output("y", TIME)]}, r"'y' has the unit t, which is not a text like 'm/s2'"),
+        ({"outputs": [Output("y", expression=sp.Function("f")(TIME))]}, r"f\(t\) cannot be used in a block"),
+        (
+            {"inputs": [Input("u")], "outputs": [Output("y", expression=sp.Symbol("u"))]},
+            r"uses a symbol u that is not the variable's, which is real; take it from brunovsky\.blocks\.symbol",
+        ),
+        (
+            {"samples": [Sample("s", period=p)], "parameters": [Parameter("p", "s", "", 1.0, tunable=True)]},
+            r"the period of 's' is tunable; a period must be fixed",
+        ),
+        (
+            {"modes": [Mode("mode")], "transitions": [Transition("go", sp.true, {mode: sp.Rational(3, 2)})]},
+            r"assigns mode = 3/2; a mode is an integer",
+        ),
+        (
+            {
+                "relations": [
+                    Relation("a", sp.Piecewise((1, sp.Symbol("b")), (0, True))),
+                    Relation("b", sp.Piecewise((1, sp.Symbol("a")), (0, True))),
+                ]
+            },
+            r"relations depend on each other: .*a.*b|relations depend on each other: .*b.*a",
+        ),
+    ],
+)
+def test_a_newcomers_mistakes_are_named(parts: dict[str, object], message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        Block("bad", **parts)  # type: ignore[arg-type]
+
+
+def test_relations_are_evaluated_after_those_they_depend_on() -> None:
+    late = sp.Symbol("late")
+    block = Block(
+        "order",
+        outputs=[Output("y", expression=sp.Piecewise((1, sp.Symbol("early")), (0, True)))],
+        relations=[Relation("early", sp.Piecewise((1, late), (-1, True))), Relation("late", TIME - 0.5)],
+    )
+    assert [one.name for one in block.relations] == ["late", "early"]
+    result = br.simulate(block, 1.0, step_size=0.25)
+    assert list(result["y"].values) == [0, 0, 0, 1, 1]
+
+
+def test_blocks_show_themselves_shortly() -> None:
+    assert repr(br.blocks.circle()) == "<Block circle: 5 parameters, 8 outputs>"
+    assert repr(br.blocks.closed_loop()).startswith("<Diagram closed_loop: 2 inputs, 20 parameters, 6 states, 24")
+    table = br.blocks.circle().table().splitlines()
+    assert table[0].startswith("| name ") and len(table) == 2 + 13 and len({len(line) for line in table}) == 1
+    assert repr(br.blocks.robot_linearization()) == "<Linearization: relative degree (3, 3), det G = -eta_1, full>"
+
+
+def test_forgotten_parentheses_are_named() -> None:
+    with pytest.raises(ModelError, match="simulate takes a Block, not <function closed_loop.*parentheses"):
+        br.simulate(br.blocks.closed_loop, 1.0)  # type: ignore[arg-type]

@@ -230,6 +230,21 @@ def test_start_at_rest_without_guard_names_the_singularity(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ["native", "numpy"])
+def test_a_step_into_the_singularity_names_it(engine: str) -> None:
+    """From eta[1] = 0.05 with u[1] = -100 and v = 0 the middle of the first step is at eta[1] = 0, its start is not."""
+    with pytest.raises(
+        SimulationError, match=r"not finite after the step at t = 0 s: .*singular at eta\[1\] = 0"
+    ) as caught:
+        br.simulate(
+            br.blocks.linearized_robot(),
+            0.01,
+            parameters={"eta_start[1]": 0.05, "u_start[1]": -100.0, "eta_min": 0.0},
+            engine=engine,  # type: ignore
+        )
+    assert caught.value.reason == "singular"
+
+
+@pytest.mark.parametrize("engine", ["native", "numpy"])
 def test_divergence_keeps_what_was_simulated(engine: str) -> None:
     x = symbols("x")[0]
     block = Block("blowup", states=(State("x", derivative=x**2, start=sp.S.One),), outputs=(Output("x", expression=x),))
@@ -263,3 +278,12 @@ def test_symbols_of_parameters_reach_the_c_code_by_position() -> None:
         outputs=(Output("y", expression=a - 10 * b),),
     )
     assert br.simulate(block, 0.1, step_size=0.1, parameters={"b": 5.0})["y"].values[0] == 2.0 - 50.0
+
+
+@pytest.mark.parametrize("engine", [NativeEngine, NumpyEngine])
+def test_a_step_that_would_not_end_is_refused(engine: type, sampled_integrator: Block) -> None:
+    instance = engine(sampled_integrator, 0.01)
+    instance.initialize()
+    with pytest.raises(SimulationError, match="step_size is too small: the step would take over a billion substeps"):
+        instance.advance(1e12)
+    assert instance.time == 0.0

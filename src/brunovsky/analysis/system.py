@@ -19,7 +19,7 @@ def to_control(block: Block) -> control.NonlinearIOSystem:
     ----------
     block : Block
         Any block or diagram; Boolean outputs are 0 or 1. Start values stay with the block: pass ``X0`` to the
-        simulator (``brunovsky.NumpyEngine(block)`` after ``initialize`` has them in ``states``).
+        simulator (``brunovsky.blocks.NumpyEngine(block)`` after ``initialize`` has them in ``states``).
 
     Returns
     -------

@@ -7,11 +7,11 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import sympy as sp
 
-from brunovsky.blocks.relations import RelationTable
+from brunovsky.blocks.relations import RelationTable, ordered_relations, root_symbols
 from brunovsky.blocks.units import unit_exponents
 from brunovsky.blocks.variables import (
     NAME,
@@ -27,13 +27,25 @@ from brunovsky.blocks.variables import (
     Transition,
     Variable,
 )
-from brunovsky.errors import ModelError, ParameterError
+from brunovsky.errors import ModelError, ParameterError, unknown_name
 
 V = TypeVar("V", bound=Variable)
 _FROM_PARAMETERS = "parameters"
+KINDS = {
+    "inputs": Input,
+    "parameters": Parameter,
+    "states": State,
+    "samples": Sample,
+    "modes": Mode,
+    "outputs": Output,
+    "relations": Relation,
+    "transitions": Transition,
+    "checks": Check,
+}
+"""Class of the declarations in each group of a block."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Block:
     """Named variables and the SymPy expressions that connect them; not a running thing.
 
@@ -53,6 +65,8 @@ class Block:
     ------
     ModelError
         If a name is illegal or used twice, a symbol unknown, a unit unreadable, or an expression cannot be frozen.
+    ParameterError
+        If a default value is not finite or out of its range.
     """
 
     name: str
@@ -72,10 +86,25 @@ class Block:
         for item in dataclasses.fields(Block):
             value = getattr(self, item.name)
             if not isinstance(value, str):
-                object.__setattr__(self, item.name, tuple(value))
+                object.__setattr__(self, item.name, self._checked(item.name, value))
         self._check_names()
         self._lower()
         self._check_symbols()
+        self.parameter_values()
+
+    def _checked(self, group: str, items: Any) -> tuple[Any, ...]:
+        """Declarations of a group as a tuple, each of the class that belongs there."""
+        kind = KINDS[group]
+        if isinstance(items, kind):
+            raise ModelError(f"{self.name}: {group} must be a sequence; write {group}=[{kind.__name__}(…)]")
+        for one in items:
+            if not isinstance(one, kind):
+                raise ModelError(f"{self.name}: {group} must be made of {kind.__name__}(…), not {one!r}")
+            if isinstance(one, Variable) and not isinstance(one.unit, str):
+                raise ModelError(
+                    f"{self.name}: '{one.name}' has the unit {one.unit!r}, which is not a text like 'm/s2'"
+                )
+        return tuple(items)
 
     def _check_names(self) -> None:
         if not NAME.fullmatch(self.name) or "." in self.name or "[" in self.name:
@@ -127,7 +156,7 @@ class Block:
         )
         object.__setattr__(self, "outputs", outputs)
         object.__setattr__(self, "transitions", transitions)
-        object.__setattr__(self, "relations", tuple(table.relations))
+        object.__setattr__(self, "relations", tuple(ordered_relations(table.relations, self.name)))
 
     def _check_symbols(self) -> None:
         parameters = {parameter.symbol for parameter in self.parameters}
@@ -136,16 +165,30 @@ class Block:
         outputs = {output.symbol for output in self.outputs} - assignable
         everything = {variable.symbol for variable in self.variables} - outputs | relations | {TIME}
         for what, expression, known in self._expressions():
-            unknown = expression.free_symbols - (parameters if known == _FROM_PARAMETERS else everything)
+            usable = parameters if known == _FROM_PARAMETERS else everything
+            unknown = expression.free_symbols - usable
             if unknown:
+                twins = {str(one) for one in unknown} & {str(one) for one in usable}
+                if twins:
+                    raise ModelError(
+                        f"{self.name}: {what} uses a symbol {min(twins)} that is not the variable's, which is real; "
+                        f"take it from brunovsky.blocks.symbol"
+                    )
                 names = ", ".join(sorted(str(one) for one in unknown))
                 allowed = "parameters of the block" if known == _FROM_PARAMETERS else "variables of the block and time"
                 raise ModelError(f"{self.name}: {what} uses {names}; it may use only {allowed}")
+        modes = {mode.symbol for mode in self.modes}
         for transition in self.transitions:
-            for target in set(transition.assign) - assignable:
-                raise ModelError(
-                    f"{self.name}: transition '{transition.name}' assigns {target}, not a state, sample or mode"
-                )
+            for target, value in transition.assign.items():
+                where = f"{self.name}: transition '{transition.name}' assigns {target}"
+                if target not in assignable:
+                    raise ModelError(f"{where}, not a state, sample or mode")
+                if target in modes and value.is_number and not value.is_integer:
+                    raise ModelError(f"{where} = {value}; a mode is an integer")
+        tunable = {parameter.symbol for parameter in self.parameters if parameter.tunable}
+        for sample in self.samples:
+            if sample.period.free_symbols & tunable:
+                raise ModelError(f"{self.name}: the period of '{sample.name}' is tunable; a period must be fixed")
 
     def _expressions(self) -> Iterable[tuple[str, sp.Basic, str]]:
         for state in self.states:
@@ -167,9 +210,30 @@ class Block:
         for check in self.checks:
             yield f"check '{check.name}'", check.condition, "" if check.when == "failure" else _FROM_PARAMETERS
 
+    def __repr__(self) -> str:
+        groups = ("inputs", "parameters", "states", "samples", "modes", "outputs")
+        counts = ", ".join(f"{len(getattr(self, one))} {one}" for one in groups if getattr(self, one))
+        return f"<{type(self).__name__} {self.name}: {counts or 'empty'}>"
+
+    def table(self) -> str:
+        """Variables with kind, unit, value and description, as a Markdown table that reads as plain text too."""
+        rows = [("name", "kind", "unit", "value", "description")]
+        for kind in ("inputs", "parameters", "states", "samples", "modes", "outputs"):
+            for one in getattr(self, kind):
+                value = getattr(one, "value", getattr(one, "start", ""))
+                rows.append((one.name, kind[:-1], one.unit, str(value), one.description))
+        widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+        rows.insert(1, tuple("-" * width for width in widths))  # type: ignore[arg-type]
+        return "\n".join(
+            "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |" for row in rows
+        )
+
+    def _repr_markdown_(self) -> str:
+        return f"**{self.name}**: {self.description}\n\n{self.table()}\n"
+
     @cached_property
     def variables(self) -> tuple[Variable, ...]:
-        """All variables: parameters, inputs, states, samples, modes, outputs, in order of declaration."""
+        """Parameters, inputs, states, samples, modes and outputs, in order of declaration."""
         return (*self.parameters, *self.inputs, *self.states, *self.samples, *self.modes, *self.outputs)
 
     @cached_property
@@ -190,16 +254,7 @@ class Block:
 
     def depends_on(self, expression: sp.Basic) -> frozenset[sp.Symbol]:
         """Symbols an expression depends on, relations resolved into what they are evaluated from."""
-        behind = {relation.symbol: relation.expression for relation in self.relations}
-        found: set[sp.Symbol] = set()
-        pending = set(expression.free_symbols)
-        while pending:
-            one = pending.pop()
-            if one in behind:
-                pending |= behind[one].free_symbols
-            else:
-                found.add(one)
-        return frozenset(found)
+        return root_symbols(expression, self.relations)
 
     @cached_property
     def feedthrough(self) -> Mapping[str, frozenset[str]]:
@@ -221,8 +276,11 @@ class Block:
         result = {parameter.name: parameter.value for parameter in self.parameters}
         for name, value in (values or {}).items():
             if name not in result:
-                raise ParameterError(f"{self.name} has no parameter '{name}'; it has {', '.join(result) or 'none'}")
-            result[name] = float(value)
+                raise ParameterError(f"{self.name} has {unknown_name('parameter', name, result)}")
+            try:
+                result[name] = float(value)
+            except (TypeError, ValueError):
+                raise ParameterError(f"{self.name}: {name} = {value!r} is not a number") from None
         for parameter in self.parameters:
             value = result[parameter.name]
             if not math.isfinite(value) or not parameter.minimum <= value <= parameter.maximum:

@@ -16,8 +16,9 @@ import sympy as sp
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.blocks.block import Block
+from brunovsky.blocks.relations import root_symbols
 from brunovsky.blocks.units import unit_exponents
-from brunovsky.blocks.variables import Check, Input, Output, Parameter, Relation, Sample, Variable, symbol
+from brunovsky.blocks.variables import Check, Input, Output, Parameter, Sample, Variable, symbol
 from brunovsky.errors import ModelError
 
 Parts = dict[str, list[Any]]
@@ -25,7 +26,7 @@ Export = Mapping[str, str | Sequence[str]]
 V = TypeVar("V", bound=Input | Parameter)
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Diagram(Block):
     """Named blocks and the connections between them.
 
@@ -150,7 +151,6 @@ def _flattened(wires: _Wires, values: Mapping[str, float]) -> Parts:
     joined = _mapped(joined, _resolved(wires, merged | exported))
     expressions = {one.name: one for one in joined["outputs"]}
     joined["outputs"] = [dataclasses.replace(expressions[source], name=name) for name, source in wires.outputs.items()]
-    joined["relations"] = _ordered_relations(joined["relations"])
     joined["samples"] = _ranked(wires.name, joined, origins)
     carriers = {one.symbol: one.name for key in ("states", "samples", "modes") for one in joined[key]}
     aliases: dict[sp.Symbol, str] = {}
@@ -164,11 +164,11 @@ def _flattened(wires: _Wires, values: Mapping[str, float]) -> Parts:
 def _resolved(wires: _Wires, shared: Mapping[sp.Symbol, sp.Symbol]) -> dict[sp.Symbol, sp.Basic]:
     """Symbols of all inputs as expressions of what drives them, in the order of feedthrough."""
     outputs = {one.name: one.expression for part in wires.parts for one in part["outputs"]}
-    relations = {one.symbol: one.expression for part in wires.parts for one in part["relations"]}
+    relations = [one for part in wires.parts for one in part["relations"]]
     names = {one.symbol: one.name for part in wires.parts for one in part["inputs"]}
     graph: dict[str, set[str]] = {target: {source} for target, source in wires.drivers.items()}
     for name, expression in outputs.items():
-        graph[name] = {names[one] for one in _roots(expression, relations) if one in names}
+        graph[name] = {names[one] for one in root_symbols(expression, relations) if one in names}
     resolved: dict[sp.Symbol, sp.Basic] = dict(shared)
     try:
         order = list(TopologicalSorter(graph).static_order())
@@ -181,14 +181,6 @@ def _resolved(wires: _Wires, shared: Mapping[sp.Symbol, sp.Symbol]) -> dict[sp.S
         if name in wires.drivers:
             resolved[symbol(name)] = outputs[wires.drivers[name]].xreplace(resolved)
     return resolved
-
-
-def _roots(expression: sp.Basic, relations: Mapping[sp.Symbol, sp.Expr]) -> set[sp.Symbol]:
-    """Symbols an expression is made of, relations replaced by what they are evaluated from."""
-    found: set[sp.Symbol] = set()
-    for one in expression.free_symbols:
-        found |= _roots(relations[one], relations) if one in relations else {one}
-    return found
 
 
 def _merged(
@@ -223,18 +215,10 @@ def _common_range(sharing: Sequence[Variable]) -> dict[str, Any]:
     }
 
 
-def _ordered_relations(relations: Sequence[Relation]) -> list[Relation]:
-    """Relations in an order in which each is evaluated after those it depends on."""
-    known = {one.symbol: one for one in relations}
-    graph = {one.symbol: [other for other in known if other in one.expression.free_symbols] for one in relations}
-    return [known[one] for one in TopologicalSorter(graph).static_order()]
-
-
 def _ranked(diagram: str, parts: Parts, origins: Mapping[sp.Symbol, int]) -> list[Sample]:
     """Samples with the ranks of a diagram: another component's fresh value is seen, its own is from before."""
     samples: list[Sample] = parts["samples"]
-    relations = {one.symbol: one.expression for one in parts["relations"]}
-    reads = {one.symbol: _roots(one.update, relations) for one in samples}
+    reads = {one.symbol: root_symbols(one.update, parts["relations"]) for one in samples}
     ranks = {one.symbol: 0 for one in samples}
     for _ in range(len(samples) + 1):
         before = dict(ranks)
@@ -285,7 +269,7 @@ def _mapped(
 
 def _elements(name: str, known: Mapping[str, Variable]) -> list[str]:
     """Index texts of the elements a bus name stands for; one empty text for a plain name."""
-    return [one.removeprefix(name) for one in known if one.startswith(f"{name}[")] or [""]
+    return [""] if name in known else [one.removeprefix(name) for one in known if one.startswith(f"{name}[")] or [""]
 
 
 def _check_units(diagram: str, one: Variable, other: Variable) -> None:

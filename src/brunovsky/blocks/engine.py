@@ -10,7 +10,7 @@ samples and transitions of that instant wait for the next step and its inputs.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
 from brunovsky.blocks.block import Block
-from brunovsky.blocks.variables import TIME
+from brunovsky.blocks.variables import TIME, Check
 from brunovsky.errors import ParameterError, SimulationError
 
 MAX_EVENT_ITERATIONS = 20
@@ -74,7 +74,8 @@ class NumpyEngine:
         self._updates = self._function([one.update for one in block.samples])
         self._starts = self._function([*(one.start for one in block.states), *(one.start for one in block.samples)])
         self._periods = self._function([one.period for one in block.samples])
-        self._failures = [one for one in block.checks if one.when == "failure"]
+        self._explanations = [one for one in block.checks if one.when == "failure"]
+        self._conditions = self._function([one.condition for one in self._explanations])
         self.reset()
 
     def _function(self, expressions: Any) -> Callable[[], list[float]]:
@@ -124,7 +125,7 @@ class NumpyEngine:
         self._due[:] = 0
         for sample, period in zip(self.block.samples, self._periods(), strict=True):
             if not (period > 0 and math.isfinite(period)):
-                raise self._failure(sample.name, "has a period that is not positive and finite")
+                raise self._failure(sample.name, "has a period that is not positive and finite", [])
         self.event()
         self._check_finite()
 
@@ -138,7 +139,9 @@ class NumpyEngine:
                 return
             self.update_relations()
         if any(self._guards()):
-            raise self._failure("events", f"do not end: transitions still fire after {MAX_EVENT_ITERATIONS} iterations")
+            raise self._failure(
+                "events", f"do not end: transitions still fire after {MAX_EVENT_ITERATIONS} iterations", []
+            )
 
     def update_relations(self) -> None:
         """Evaluate the relations, each after those it depends on."""
@@ -186,52 +189,57 @@ class NumpyEngine:
         SimulationError
             If a value is not finite; the instance then has the state from before the step.
         """
-        saved = (
-            self.time,
-            self.states.copy(),
-            self.samples.copy(),
-            self.modes.copy(),
-            self.relations.copy(),
-            self._due.copy(),
-        )
+        self._advance_to(self.time + length)
+
+    def _advance_to(self, end: float) -> None:
+        self._check_length(end - self.time)
         start = self.time
+        arrays = (self.states, self.samples, self.modes, self.relations, self._due)
+        saved = [one.copy() for one in arrays]
         try:
             self.event()
-            while self.time < start + length:
-                stop = start + length
+            while self.time < end:
                 sample = self.next_sample_time()
-                if sample < stop - INSTANT_ROUNDING * self.step_size:
-                    stop = sample
+                stop = sample if sample < end - INSTANT_ROUNDING * self.step_size else end
                 self._integrate(stop)
-                if stop < start + length:
+                if stop < end:
                     self.event()
             self.update_relations()
             self._check_finite()
         except SimulationError as error:
-            self.time, self.states, self.samples, self.modes, self.relations, self._due = saved
-            error.time = start
+            self.states, self.samples, self.modes, self.relations, self._due = saved
+            self.time = error.time = start
             raise
+
+    def _check_length(self, length: float) -> None:
+        if length / self.step_size > MAX_SUBSTEPS:
+            raise self._failure("step_size", "is too small: the step would take over a billion substeps", [])
+        for sample, period in zip(self.block.samples, self._periods(), strict=True):
+            if length / period > MAX_SUBSTEPS:
+                problem = "has too short a period: the step would take over a billion samples"
+                raise self._failure(sample.name, problem, [])
 
     def _integrate(self, stop: float) -> None:
         begin = self.time
         count = step_count(stop - begin, self.step_size)
-        if count > MAX_SUBSTEPS:
-            raise self._failure("step_size", "is too small: the step would take over a billion substeps")
         size = (stop - begin) / count
         for index in range(count):
             if index:
                 self.event()
             time, start = begin + index * size, self.states
-            k1 = self._slope(time, start)
-            k2 = self._slope(time + 0.5 * size, start + 0.5 * size * k1)
-            k3 = self._slope(time + 0.5 * size, start + 0.5 * size * k2)
-            k4 = self._slope(time + size, start + size * k3)
+            stages: list[tuple[float, Array]] = []
+            slopes: list[Array] = []
+            for fraction in (0.0, 0.5, 0.5, 1.0):
+                previous = slopes[-1] if slopes else np.zeros_like(start)
+                stages.append((time + fraction * size, start + fraction * size * previous))
+                slopes.append(self._slope(*stages[-1]))
+            k1, k2, k3, k4 = slopes
             self.states = start + size / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
             self.time = begin + (index + 1) * size
             if not np.isfinite(self.states).all():
-                reached, self.states, self.time = self.states, start, time
-                index = int(np.argmin(np.isfinite(reached)))
-                raise self._failure(self.block.states[index].name, "is not finite after the step")
+                variable = self.block.states[int(np.argmin(np.isfinite(self.states)))].name
+                self.states, self.time = start, time
+                raise self._failure(variable, "is not finite after the step", self._failed_checks(stages))
         self.time = stop
 
     def _slope(self, time: float, states: Array) -> Array:
@@ -275,8 +283,7 @@ class NumpyEngine:
         try:
             for index, row in enumerate(inputs):
                 if index:
-                    self.advance(length)
-                    self.time = begin + index * length
+                    self._advance_to(begin + index * length)  # roundings of time must not add up
                 self.inputs = np.array(row, dtype=float)
                 self.event()
                 rows.append(self.values())
@@ -293,10 +300,23 @@ class NumpyEngine:
             if not math.isfinite(value):
                 raise self._failure(f"der({state.name})", "is not finite")
 
-    def _failure(self, variable: str, problem: str) -> SimulationError:
-        holds = self._function([one.condition for one in self._failures])()
-        reasons = [one for one, held in zip(self._failures, holds, strict=True) if not held]
-        hint = "".join(f": {one.message}" for one in reasons)
+    def _failed_checks(self, points: Iterable[tuple[float, Array]]) -> list[Check]:
+        """Checks that explain a failure: those that do not hold at the first finite point where one does not."""
+        before = self.time, self.states
+        try:
+            for self.time, self.states in points:
+                if not np.isfinite(self.states).all():
+                    break
+                failed = [one for one, held in zip(self._explanations, self._conditions(), strict=True) if not held]
+                if failed:
+                    return failed
+            return []
+        finally:
+            self.time, self.states = before
+
+    def _failure(self, variable: str, problem: str, reasons: Sequence[Check] | None = None) -> SimulationError:
+        reasons = self._failed_checks([(self.time, self.states)]) if reasons is None else reasons
+        hint = f": {reasons[0].message}" if reasons else ""
         return SimulationError(
             f"{self.block.name}: {variable} {problem} at t = {self.time:.9g} s{hint}",
             block=self.block.name,

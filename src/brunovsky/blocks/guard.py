@@ -58,26 +58,26 @@ class Guard:
         """What explains a step that fails at the singularity."""
         return Check(
             "singular",
-            sp.Abs(self.denominator) > self.limit.symbol,
+            sp.Or(self.limit.symbol > 0, sp.Ne(self.denominator, 0)),
             f"the linearising law is singular at {self.shown} = 0; start away from it or set {self.limit.name} > 0",
             when="failure",
         )
 
 
 def find_guards(
-    law: Collection[sp.Expr],
-    states: Collection[sp.Symbol],
+    expressions: Collection[sp.Expr],
+    locus: sp.Basic,
     limits: Mapping[sp.Expr, Parameter],
     names: Mapping[sp.Symbol, str],
 ) -> tuple[Guard, ...]:
-    """Guards for the denominators of a law that depend on states, each once, signs apart.
+    """Guards for what vanishes in the denominators of some expressions, each once, signs apart.
 
     Parameters
     ----------
-    law : collection of Expr
-        Each in lowest terms or not; it is brought to them.
-    states : collection of Symbol
-        A denominator without any of them is a constant and not guarded.
+    expressions : collection of Expr
+        The law and the compensator.
+    locus : Eq(product, 0) or false
+        Where the law does not exist; a denominator that has no factor of it cannot vanish and is not guarded.
     limits : mapping of Expr to Parameter
         Limit of each denominator; one that is missing is ``singular_min[k]`` with default 0.
     names : mapping of Symbol to str
@@ -85,9 +85,9 @@ def find_guards(
     """
     guards: dict[sp.Expr, Guard] = {}
     shown = {one: sp.Symbol(name) for one, name in names.items()}
-    for expression in law:
-        denominator = sp.fraction(sp.together(expression))[1]
-        if not denominator.free_symbols & set(states) or {denominator, -denominator} & set(guards):
+    for expression in expressions:
+        denominator = _vanishing(sp.fraction(sp.together(expression))[1], locus)
+        if denominator == 1 or {denominator, -denominator} & set(guards):
             continue
         if -denominator in limits:
             denominator = -denominator
@@ -99,10 +99,20 @@ def find_guards(
     return tuple(guards.values())
 
 
-def guarded(expression: sp.Expr, guards: Collection[Guard]) -> sp.Expr:
-    """Expression with its vanishing denominator, if it has one of these, replaced by the guarded reciprocal."""
+def guarded(expression: sp.Expr, locus: sp.Basic, guards: Collection[Guard]) -> sp.Expr:
+    """Expression with what vanishes in its denominator, if anything does, replaced by the guarded reciprocal."""
     numerator, denominator = sp.fraction(sp.together(expression))
+    vanishing = _vanishing(denominator, locus)
     for guard in guards:
-        if denominator in (guard.denominator, -guard.denominator):
+        if vanishing in (guard.denominator, -guard.denominator):
             return numerator * sp.cancel(guard.denominator / denominator) * guard.reciprocal
     return expression
+
+
+def _vanishing(denominator: sp.Expr, locus: sp.Basic) -> sp.Expr:
+    """Product of the factors that a denominator shares with the singular locus, with their powers; 1 if none."""
+    if locus == sp.false or not denominator.free_symbols:
+        return sp.S.One
+    zeros = {factor for factor, _ in sp.factor_list(locus.lhs)[1]}
+    shared = [one**power for one, power in sp.factor_list(denominator)[1] if {one, -one} & zeros]
+    return sp.Mul(*shared)

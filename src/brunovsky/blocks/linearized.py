@@ -10,7 +10,7 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.guard import find_guards, guarded
 from brunovsky.blocks.units import derivative_unit
-from brunovsky.blocks.variables import Input, Output, Parameter, State, Variable
+from brunovsky.blocks.variables import Input, Output, Parameter, State, Variable, symbol
 from brunovsky.linearization import AffineSystem, Linearization
 
 Labels = Mapping[sp.Symbol, Variable]
@@ -51,7 +51,7 @@ def plant_block(
         If a parameter of the system has no declaration.
     """
     known = _labelled((*system.states, *system.inputs, *system.disturbances), labels)
-    new = {one: label.symbol for one, label in known.items()}
+    new = {one: label.symbol for one, label in known.items()} | _parameter_symbols(system)
     start = {one: _start_parameter(known[one], (starts or {}).get(one, 0.0)) for one in system.states}
     states = [
         State(*_parts(known[one]), derivative=slope.xreplace(new), start=start[one].symbol)
@@ -105,18 +105,21 @@ def inner_loop(
         Variable(f"v[{i}]", derivative_unit(unit, order), f"input of chain {i}: derivative {order} of output {i}")
         for i, (unit, order) in enumerate(zip(units, linearization.relative_degree, strict=True), 1)
     ]
-    new = {one: label.symbol for one, label in known.items()}
+    new = {one: label.symbol for one, label in known.items()} | _parameter_symbols(system)
     new |= {old: one.symbol for old, one in zip(linearization.outer_inputs, outer, strict=True)}
-    law = {old: expression.xreplace(new) for old, expression in linearization.law.items()}
+    compensator = [one for one in extended.states if one not in system.states]
+    slopes = dict(zip(extended.states, extended.dynamics, strict=True))
+    commands = {
+        one: linearization.input_map[one].xreplace(dict(linearization.law)).xreplace(new) for one in system.inputs
+    }
+    slopes = {one: slopes[one].xreplace(dict(linearization.law)).xreplace(new) for one in compensator}
+    locus = linearization.singular_locus.xreplace(new)
     found = find_guards(
-        law.values(),
-        [known[one].symbol for one in extended.states],
+        (*commands.values(), *slopes.values()),
+        locus,
         {key.xreplace(new): limit for key, limit in (guards or {}).items()},
         {label.symbol: label.name for label in known.values()},
     )
-    law = {old: guarded(expression, found) for old, expression in law.items()}
-    slopes = dict(zip(extended.states, extended.dynamics, strict=True))
-    compensator = [one for one in extended.states if one not in system.states]
     start = {one: _start_parameter(known[one], (starts or {}).get(one, 0.0)) for one in compensator}
     limits = [f"abs({one.shown}) <= {one.limit.name}" for one in found]
     singular = (
@@ -128,11 +131,10 @@ def inner_loop(
         inputs=tuple(Input(*_parts(one)) for one in (*outer, *(known[one] for one in system.states))),
         parameters=(*start.values(), *parameters, *(one.limit for one in found)),
         states=tuple(
-            State(*_parts(known[one]), slopes[one].xreplace(law).xreplace(new), start[one].symbol)
-            for one in compensator
+            State(*_parts(known[one]), guarded(slopes[one], locus, found), start[one].symbol) for one in compensator
         ),
         outputs=(
-            *(Output(*_parts(known[one]), expression=law.get(one, known[one].symbol)) for one in system.inputs),
+            *(Output(*_parts(known[one]), expression=guarded(commands[one], locus, found)) for one in system.inputs),
             *_chain_outputs(linearization, units, new),
             Output("singular", "1", singular, sp.Not(sp.And(*(one.regular for one in found)))),
         ),
@@ -179,7 +181,8 @@ def linearized_block(
     plant = plant or linearization.system
 
     def used(symbols: Iterable[sp.Symbol]) -> list[Parameter]:
-        return [one for one in parameters if one.symbol in set(symbols)]
+        needed = {symbol(str(one)) for one in symbols}
+        return [one for one in parameters if one.symbol in needed]
 
     body = plant_block(plant, "plant", labels=labels, parameters=used(plant.parameters), starts=starts)
     loop = inner_loop(
@@ -222,6 +225,10 @@ def _chain_outputs(
 
 def _labelled(symbols: Iterable[sp.Symbol], labels: Labels | None) -> dict[sp.Symbol, Variable]:
     return {one: (labels or {}).get(one) or Variable(str(one)) for one in symbols}
+
+
+def _parameter_symbols(system: AffineSystem) -> dict[sp.Symbol, sp.Symbol]:
+    return {one: symbol(str(one)) for one in system.parameters}
 
 
 def _parts(one: Variable) -> tuple[str, str, str]:

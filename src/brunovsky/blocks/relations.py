@@ -7,17 +7,61 @@ expression is that of the frozen branch.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Sequence
 from functools import reduce
+from graphlib import CycleError, TopologicalSorter
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 from sympy.core.relational import Equality, Relational, Unequality
 from sympy.logic.boolalg import Boolean, BooleanAtom, BooleanFunction
 
 from brunovsky.blocks.variables import Relation
 from brunovsky.errors import ModelError
 
-_REFUSED = (sp.Heaviside, sp.DiracDelta, sp.floor, sp.ceiling, sp.Mod, sp.frac, sp.arg, sp.re, sp.im, sp.Derivative)
+_REFUSED = (
+    AppliedUndef,
+    sp.Heaviside,
+    sp.DiracDelta,
+    sp.floor,
+    sp.ceiling,
+    sp.Mod,
+    sp.frac,
+    sp.arg,
+    sp.re,
+    sp.im,
+    sp.Derivative,
+)
+
+
+def root_symbols(expression: sp.Basic, relations: Iterable[Relation]) -> frozenset[sp.Symbol]:
+    """Symbols an expression is made of, relations replaced by what they are evaluated from."""
+    behind = {one.symbol: one.expression for one in relations}
+    found: set[sp.Symbol] = set()
+    pending = set(expression.free_symbols)
+    while pending:
+        one = pending.pop()
+        if one not in found and one in behind:
+            pending |= behind[one].free_symbols
+        found.add(one)
+    return frozenset(found - set(behind))
+
+
+def ordered_relations(relations: Sequence[Relation], where: str) -> list[Relation]:
+    """Relations in an order in which each is evaluated after those it depends on.
+
+    Raises
+    ------
+    ModelError
+        If they depend on each other; the message names the cycle.
+    """
+    known = {one.symbol: one for one in relations}
+    graph = {one.symbol: [other for other in known if other in one.expression.free_symbols] for one in relations}
+    try:
+        return [known[one] for one in TopologicalSorter(graph).static_order()]
+    except CycleError as error:
+        cycle = " <- ".join(str(one) for one in error.args[1])
+        raise ModelError(f"{where}: relations depend on each other: {cycle}; make one of them a mode") from None
 
 
 class RelationTable:

@@ -1,0 +1,20 @@
+"""FMUs and in-process components of any block, and the list of FMUs that ship."""
+
+from brunovsky.fmi.archive import export_fmu
+from brunovsky.fmi.component import ComponentError, component
+from brunovsky.fmi.manifest import shipped_block, shipped_fmus
+from brunovsky.fmi.structure import ModelStructure, Unknown, model_structure
+from brunovsky.fmi.variables import ScalarVariable, scalar_variables
+
+__all__ = [
+    "ComponentError",
+    "ModelStructure",
+    "ScalarVariable",
+    "Unknown",
+    "component",
+    "export_fmu",
+    "model_structure",
+    "scalar_variables",
+    "shipped_block",
+    "shipped_fmus",
+]

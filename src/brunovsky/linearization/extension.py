@@ -78,7 +78,7 @@ class Extension:
 
     @property
     def states(self) -> tuple[sp.Symbol, ...]:
-        """The new states: delayed inputs, in the order in which they were appended."""
+        """The new states, which are the delayed inputs, in the order in which they were appended."""
         return self.system.states[len(self.original.states) :]
 
     @property

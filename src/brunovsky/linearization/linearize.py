@@ -22,7 +22,7 @@ from brunovsky.linearization.singularity import Measure, distance_to_singularity
 from brunovsky.linearization.zero_dynamics import ZeroDynamics, find_zero_dynamics
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Linearization:
     """A plant, its dynamic extension and the law that turns it into chains of integrators y_i^(r_i) = v_i.
 
@@ -68,9 +68,9 @@ class Linearization:
 
     @property
     def is_full(self) -> bool:
-        """Whether the chains are all of the extended system: total relative degree = number of its states.
+        """Whether the total relative degree is the number of states of the extended system.
 
-        Where they are not, the law leaves internal dynamics unobservable from the outputs.
+        Where it is not, the law leaves internal dynamics unobservable from the outputs.
         """
         return sum(self.relative_degree) == len(self.extended_system.states)
 
@@ -81,7 +81,7 @@ class Linearization:
 
     @property
     def singular_locus(self) -> Any:
-        """Where the law does not exist: Eq(product of the factors of its determinants that may vanish, 0), or false.
+        """Where the law does not exist, as Eq(product of the factors of its determinants that may vanish, 0), or false.
 
         The determinants are that of G and those of the transformations of the inputs.
         """
@@ -134,6 +134,10 @@ class Linearization:
     def regular_start(self, point: Mapping[sp.Symbol | str, Any]) -> RegularStart:
         """What a trajectory needs to pass a singular point smoothly; see `regular_start` of this package."""
         return regular_start(self, point)
+
+    def __repr__(self) -> str:
+        full = "full" if self.is_full else "not full"
+        return f"<Linearization: relative degree {self.relative_degree}, det G = {self.determinant}, {full}>"
 
     def explain(self) -> str:
         """Return the derivation step by step, as on the board, as plain text."""

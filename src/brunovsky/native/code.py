@@ -37,6 +37,9 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
             return f"({product})" if exponent > 0 else f"(1.0/({product}))"
         return str(super()._print_Pow(expr))
 
+    def _print_Or(self, expr: sp.Or) -> str:
+        return " || ".join(f"({self._print(one)})" for one in sp.ordered(expr.args))
+
     def _print_BooleanTrue(self, expr: sp.Basic) -> str:
         return "1"
 

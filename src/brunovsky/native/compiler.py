@@ -41,7 +41,7 @@ def find_compiler() -> tuple[str, ...]:
         return (sys.executable, "-m", "ziglang", "cc")
     raise CompilerError(
         "no C compiler was found (cc, gcc, clang, or the one named by CC); install one, "
-        "or the bundled one with: pip install 'brunovsky[zig]'"
+        "or ziglang with: pip install ziglang"
     )
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from brunovsky.blocks import Block, NumpyEngine, Output, Variable
 from brunovsky.blocks.engine import step_count
-from brunovsky.errors import ParameterError, SimulationError
+from brunovsky.errors import ModelError, ParameterError, SimulationError, unknown_name
 from brunovsky.native.engine import NativeEngine
 
 Signal = float | ArrayLike | Callable[[float], float]
@@ -59,9 +59,15 @@ def simulate(
         For unknown names, values that are not finite or out of range, and arrays of the wrong length.
     SimulationError
         If a step fails; its ``trajectory`` is the Dataset until then.
+    ModelError
+        If ``block`` is not a block.
     CompilerError
         If the native engine finds no compiler.
     """
+    if not isinstance(block, Block):
+        raise ModelError(f"simulate takes a Block, not {block!r}; was a pair of parentheses forgotten?")
+    if not all(isinstance(one, int | float) for one in (t_end, step_size)):
+        raise ParameterError(f"t_end = {t_end!r} and step_size = {step_size!r} must be numbers, in s")
     if not (np.isfinite(t_end) and np.isfinite(step_size) and t_end > 0 and step_size > 0):
         raise ParameterError(f"t_end = {t_end} s and step_size = {step_size} s must be positive and finite")
     count = step_count(t_end, step_size)
@@ -69,7 +75,7 @@ def simulate(
     recorded = _recorded(block)
     unknown = [name for name in record or () if name not in recorded]
     if unknown:
-        raise ParameterError(f"{block.name} has no '{unknown[0]}' to record; it has {', '.join(recorded)}")
+        raise ParameterError(f"{block.name} has {unknown_name('variable to record', unknown[0], recorded)}")
     values = block.parameter_values(parameters)
     table = _input_table(block, times, inputs or {})
     instance = ENGINES[engine](block, step_size)
@@ -99,7 +105,7 @@ def _input_table(block: Block, times: Any, inputs: Mapping[str, Signal]) -> Any:
     columns = {one.name: index for index, one in enumerate(block.inputs)}
     for name, signal in inputs.items():
         if name not in columns:
-            raise ParameterError(f"{block.name} has no input '{name}'; it has {', '.join(columns) or 'none'}")
+            raise ParameterError(f"{block.name} has {unknown_name('input', name, columns)}")
         values = np.array([signal(time) for time in times]) if callable(signal) else np.asarray(signal, dtype=float)
         if values.shape not in ((), (len(times),)):
             raise ParameterError(

@@ -1,0 +1,152 @@
+"""How figures look and how they become text: styles that survive grey printing, thinning of traces, SVG."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
+
+from brunovsky.comparison.facts import power_of_ten
+from brunovsky.comparison.metrics import Array
+
+SETTINGS: Any = {
+    "svg.hashsalt": "brunovsky",
+    "svg.fonttype": "path",
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0,
+    "legend.fontsize": 8.5,
+    "axes.grid": True,
+    "grid.color": "#dcdcdc",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "path.simplify": True,
+    "path.simplify_threshold": 0.2,
+}
+BINS = 500  # of the thinning; two values a bin
+LARGEST = 1e12  # what a run that diverged is drawn up to
+
+
+@dataclass(frozen=True)
+class Style:
+    """Line of one law: the widest and lightest lies at the back, so that coinciding lines all show."""
+
+    color: str
+    width: float
+    dash: Any
+    order: float
+
+
+# Luminances differ by at least 20 %, so that the styles are told apart in grey as well.
+STYLES = (
+    Style("#0b3c6f", 1.5, "solid", 3.0),
+    Style("#d4610a", 1.5, (0, (4, 2)), 4.0),
+    Style("#c3cbd1", 4.0, "solid", 2.0),
+    Style("#2f8f5b", 1.6, (0, (1, 1.2)), 5.0),
+    Style("#7a3b8f", 1.3, (0, (6, 2, 1, 2)), 6.0),
+    Style("#000000", 0.9, (0, (8, 3)), 7.0),
+)
+REFERENCE: dict[str, Any] = {"color": "#000000", "linewidth": 0.8, "linestyle": (0, (1, 2)), "zorder": 5.5}
+
+
+def style(index: int) -> dict[str, Any]:
+    """Line properties of the law with this index in the study."""
+    one = STYLES[index % len(STYLES)]
+    return {"color": one.color, "linewidth": one.width, "linestyle": one.dash, "zorder": one.order}
+
+
+def thinned(time: Array, signal: Array, bins: int = BINS) -> tuple[Array, Array]:
+    """Smallest and largest value of each of `bins` stretches of a trace, in their order, so that no peak is lost."""
+    signal = np.clip(signal, -LARGEST, LARGEST)
+    if time.size <= 2 * bins:
+        return time, signal
+    edges = np.linspace(0, time.size, bins + 1).astype(int)
+    keep: list[int] = [0]
+    for begin, end in itertools.pairwise(edges):
+        part = signal[begin:end]
+        keep.extend(sorted((begin + int(np.argmin(part)), begin + int(np.argmax(part)))))
+    keep.append(time.size - 1)
+    index = np.unique(keep)
+    return time[index], signal[index]
+
+
+def new_figure(width: float, height: float, **layout: Any) -> Figure:
+    """Figure of this size in inches, without global state; without a layout it is arranged to fit its texts."""
+    figure = Figure(figsize=(width, height), layout=None if layout else "constrained")
+    if layout:
+        figure.subplots_adjust(**layout)
+    return figure
+
+
+def limit_decades(axes: Axes, lowest: float, highest: float, most: int = 6) -> None:
+    """Logarithmic axis from one power of ten to another, with at most `most` labels."""
+    low, high = int(np.floor(np.log10(lowest))), int(np.ceil(np.log10(highest)))
+    high = max(high, low + 1)
+    step = -(-(high - low) // most)
+    axes.set_yscale("log")
+    axes.set_ylim(10.0**low, 10.0**high)
+    _set_ticks(axes, [10.0**k for k in range(high, low - 1, -step)])
+
+
+def signed_decades(axes: Axes, linear: float, at_least: float, most: int = 2) -> None:
+    """Axis about zero for what is drawn: logarithmic on both sides beyond `linear`, or linear where that is enough.
+
+    Parameters
+    ----------
+    axes : Axes
+        With its lines.
+    linear : float
+        A power of ten; up to it the axis is linear.
+    at_least : float
+        Half-width that is shown in any case.
+    most : int
+        Number of labels on each side of a logarithmic axis.
+    """
+    drawn = [np.asarray(line.get_ydata(), dtype=float) for line in axes.get_lines()]
+    peak = max([at_least, *(float(np.max(np.abs(one))) for one in drawn if one.size)])
+    low, high = int(np.round(np.log10(linear))), int(np.ceil(np.log10(peak)))
+    if high - low <= 1:
+        axes.set_ylim(-1.2 * peak, 1.2 * peak)
+        return
+    step = -(-(high - low) // most)
+    ticks = [10.0**k for k in range(high, low, -step)]
+    axes.set_yscale("symlog", linthresh=10.0**low, linscale=0.6)
+    axes.set_ylim(-(10.0**high), 10.0**high)
+    _set_ticks(axes, [*(-tick for tick in ticks), 0.0, *reversed(ticks)])
+
+
+def _set_ticks(axes: Axes, ticks: list[float]) -> None:
+    """Ticks at powers of ten, as plain text: typeset ones take most of the time of a figure."""
+    axes.yaxis.set_major_locator(FixedLocator(ticks))
+    axes.yaxis.set_major_formatter(FixedFormatter([power_of_ten(one) for one in ticks]))
+    axes.yaxis.set_minor_locator(NullLocator())
+
+
+def settings() -> Any:
+    """Context in which figures are made and written."""
+    return matplotlib.rc_context(SETTINGS)
+
+
+def svg(figure: Figure, key: str) -> str:
+    """Figure as an SVG element whose ids begin with `key`, the same bytes for the same figure."""
+    buffer = io.StringIO()
+    write: Any = FigureCanvasSVG(figure).print_svg
+    write(buffer, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
+    text = re.sub(r' xmlns:(?:cc|dc|rdf)="[^"]*"', "", text)
+    text = re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{key}-", text)
+    return text.strip()

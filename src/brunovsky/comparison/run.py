@@ -1,0 +1,182 @@
+"""Running a study: every scenario under every law, cross-checked, with its metrics."""
+
+from __future__ import annotations
+
+import contextlib
+import platform
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from brunovsky._frozen import FrozenMapping
+from brunovsky.comparison.agreement import Agreement, cross_check
+from brunovsky.comparison.engines import Engine, NativeSimulation, Status, check_outcome, opened_fmu
+from brunovsky.comparison.keys import study_block
+from brunovsky.comparison.metrics import Metrics, compute_metrics
+from brunovsky.comparison.study import EngineName, Law, PlannedRun, Scenario, Study
+
+Progress = Callable[[int, int, str], None]
+_PACKAGES = ("brunovsky", "numpy", "sympy", "control", "xarray", "matplotlib")
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One simulated run.
+
+    Attributes
+    ----------
+    planned : PlannedRun
+        What was asked for.
+    trajectory : xarray.Dataset
+        What happened, until the failure if there was one.
+    status : Status
+        How it ended.
+    metrics : Metrics
+        All None for a run that failed: they are defined over the whole duration.
+    agreement : Agreement or None
+        Against the native simulation; None where that is the engine.
+    """
+
+    planned: PlannedRun
+    trajectory: xr.Dataset
+    status: Status
+    metrics: Metrics
+    agreement: Agreement | None
+
+    @property
+    def ok(self) -> bool:
+        """Whether the run reached its end."""
+        return self.status.state == "ok"
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A study that was run.
+
+    Attributes
+    ----------
+    study : Study
+        What was asked for.
+    engine : str
+        What simulated it.
+    runs : tuple of Run
+        Scenario by scenario, law by law.
+    provenance : mapping
+        Versions, engine, FMU and when it was made.
+    """
+
+    study: Study
+    engine: str
+    runs: tuple[Run, ...]
+    provenance: Mapping[str, Any]
+
+    def of(self, scenario: Scenario) -> dict[str, Run]:
+        """Runs of one scenario by law."""
+        return {run.planned.law: run for run in self.runs if run.planned.scenario == scenario.name}
+
+    def laws_of(self, scenario: Scenario) -> tuple[tuple[Law, Run], ...]:
+        """Laws of one scenario with their runs."""
+        runs = self.of(scenario)
+        return tuple((law, runs[law.name]) for law in self.study.laws_of(scenario))
+
+
+def run_study(
+    study: Study,
+    *,
+    engine: EngineName | None = None,
+    folder: str | Path | None = None,
+    fmu: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Run all scenarios of a study under all their laws.
+
+    Parameters
+    ----------
+    study : Study
+        From :func:`load_study`.
+    engine : {"fmpy", "native"}, optional
+        In place of the study's own choice. With ``"fmpy"`` each run is cross-checked against the native simulation.
+    folder : path, optional
+        Where the FMU is built, in ``fmus/``; by default a temporary folder.
+    fmu : path, optional
+        An FMU of the closed loop to use instead of building one.
+    progress : function of (done, total, what), optional
+        Called before each run and at the end.
+
+    Returns
+    -------
+    Comparison
+        A run that failed has its status and the trajectory until then; the others are not affected.
+    """
+    report = progress or (lambda done, total, what: None)
+    plan = study.plan()
+    native = NativeSimulation(study_block())
+    chosen = engine or study.engine
+    with _engine(chosen, native, folder, fmu, lambda: report(0, len(plan), "building the FMU")) as simulator:
+        runs = []
+        for index, planned in enumerate(plan):
+            report(index, len(plan), planned.name)
+            runs.append(_run(planned, simulator, native))
+        report(len(plan), len(plan), "runs")
+        provenance = _provenance(study, simulator)
+    return Comparison(study, chosen, tuple(runs), FrozenMapping(provenance))
+
+
+def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
+    outcome = check_outcome(engine.run(planned))
+    agreement = None if engine is native else cross_check(planned, outcome, check_outcome(native.run(planned)))
+    metrics = compute_metrics(outcome.trajectory) if outcome.status.state == "ok" else Metrics()
+    return Run(planned, outcome.trajectory, outcome.status, metrics, agreement)
+
+
+@contextlib.contextmanager
+def _engine(
+    name: EngineName,
+    native: NativeSimulation,
+    folder: str | Path | None,
+    fmu: str | Path | None,
+    building: Callable[[], None],
+) -> Iterator[Engine]:
+    if name == "native":
+        yield native
+        return
+    with contextlib.ExitStack() as stack:
+        if fmu is None:
+            from brunovsky.fmi import export_fmu
+
+            building()
+            target = Path(folder) if folder is not None else Path(stack.enter_context(tempfile.TemporaryDirectory()))
+            path = target / "fmus" / f"{native.block.name}.fmu"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            export_fmu(native.block, path, fmi_version=2, platforms=("host",))
+        else:
+            path = Path(fmu)
+        yield stack.enter_context(opened_fmu(path))
+
+
+def _provenance(study: Study, engine: Engine) -> dict[str, Any]:
+    return {
+        "made": datetime.now(UTC).isoformat(timespec="seconds"),
+        **engine.provenance(),
+        "step_size": study.step_size_s,
+        "study_sha256": study.digest(),
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        "versions": {name: _version(name) for name in _PACKAGES},
+    }
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "source checkout"
+
+
+__all__ = ["Comparison", "Progress", "Run", "Status", "run_study"]

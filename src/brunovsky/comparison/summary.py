@@ -1,0 +1,42 @@
+"""The short summary of a comparison that is kept beside its study file, in Markdown."""
+
+from __future__ import annotations
+
+from brunovsky.comparison.claims import claims
+from brunovsky.comparison.findings import scenario_findings
+from brunovsky.comparison.run import Comparison
+from brunovsky.comparison.tables import conditions, metric_rows
+
+_KEPT = ("settling time", "RMS position error", "largest", "smallest", "total variation")
+
+
+def summary_markdown(comparison: Comparison) -> str:
+    """What a comparison found: claims, and for each scenario its paragraphs and main metrics.
+
+    Without dates and versions, so that it changes only where the findings do.
+    """
+    study = comparison.study
+    lines = [
+        f"# {study.title}",
+        "",
+        f"{study.description}",
+        "",
+        f"Written from the runs of `{study.name}.toml` (engine {comparison.engine}, step {study.step_size_s * 1e3:g} "
+        "ms). The report of a run has the figures, the poles, all metrics and the limits of the study.",
+        "",
+        "## What the paper claims, and what these runs show",
+        "",
+    ]
+    lines += [f"- {claim.quote}: **{claim.verdict}**. {claim.shown}" for claim in claims(comparison)]
+    for scenario in study.scenarios:
+        pairs = comparison.laws_of(scenario)
+        figure = f"Figure {scenario.figure}: " if scenario.figure else ""
+        lines += ["", f"## {figure}{scenario.title}", "", conditions(pairs[0][1])]
+        for paragraph in scenario_findings(comparison, scenario):
+            lines += ["", paragraph]
+        lines += ["", f"| metric | unit | {' | '.join(law.name for law, _ in pairs)} |"]
+        lines += [f"| --- | --- |{' ---: |' * len(pairs)}"]
+        for label, unit, cells in metric_rows([run for _, run in pairs]):
+            if label.startswith(_KEPT):
+                lines.append(f"| {label.replace('|', chr(92) + '|')} | {unit} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"

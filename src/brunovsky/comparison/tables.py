@@ -1,0 +1,103 @@
+"""Tables of a report: metrics, conditions, poles and margins as text."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from brunovsky.comparison.facts import given, number
+from brunovsky.comparison.linear_part import LinearLoop
+from brunovsky.comparison.run import Run
+
+METRIC_ROWS = (
+    ("settling_time", "settling time (position error > 1 cm until)", "s"),
+    ("iae", "IAE, integral of the position error", "m s"),
+    ("ise", "ISE, integral of its square", "m² s"),
+    ("itae", "ITAE, integral of time × error", "m s²"),
+    ("final_error", "final position error", "m"),
+    ("rms_tail_error", "RMS position error, last quarter", "m"),
+    ("peak_speed", "largest |η₁|", "m/s"),
+    ("min_speed", "smallest |η₁|", "m/s"),
+    ("peak_yaw_acceleration", "largest |u₂|", "rad/s²"),
+    ("effort_u1", "effort, integral of u₁²", "m²/s³"),
+    ("effort_u2", "effort, integral of u₂²", "rad²/s³"),
+    ("total_variation_u1", "total variation of u₁", "m/s²"),
+    ("total_variation_u2", "total variation of u₂", "rad/s²"),
+)
+MARGIN_ROWS = (
+    ("gain_lower", "lower gain margin (factor)", 1.0),
+    ("gain_upper", "upper gain margin (factor)", 1.0),
+    ("phase", "phase margin, degrees", 180.0 / math.pi),
+    ("gain_crossover", "gain crossover, rad/s", 1.0),
+    ("modulus", "modulus margin", 1.0),
+    ("delay", "longest delay, ms", 1e3),
+    ("lag", "longest first-order lag, ms", 1e3),
+    ("two_lags", "two equal lags, each at most, ms", 1e3),
+)
+_DISTURBANCES = {"d[1]": ("d₁", "m/s²"), "d[2]": ("d₂", "rad/s²")}
+
+
+def metric_rows(runs: list[Run]) -> list[tuple[str, str, list[str]]]:
+    """Label, unit and one cell for each run; the first row is how the runs ended."""
+    status = ("status", "", [_status(run) for run in runs])
+    return [status, *((label, unit, [_cell(run, name) for run in runs]) for name, label, unit in METRIC_ROWS)]
+
+
+def _status(run: Run) -> str:
+    return "ok" if run.ok else f"{run.status.state} at {number(run.status.time)} s"
+
+
+def _cell(run: Run, name: str) -> str:
+    value = run.metrics.as_dict()[name]
+    if value is None:
+        return "never" if run.ok and name == "settling_time" else "–"
+    return f"{value:.3f}" if name == "settling_time" else number(value, 4)
+
+
+def conditions(run: Run) -> str:
+    """Duration, start, reference, disturbances and uncertainty of a run, in a sentence."""
+    p = run.planned.parameters
+    where = f"({given(p['x_start'])} m, {given(p['y_start'])} m, {given(p['theta_start'])} rad)"
+    text = f"{given(run.planned.duration)} s from (x, y, θ) = {where} with η₁ = {given(p['eta_start[1]'])} m/s"
+    others = {"η₂": ("eta_start[2]", "rad/s"), "u₁": ("u_start[1]", "m/s²")}
+    text += "".join(f", {name} = {given(p[key])} {unit}" for name, (key, unit) in others.items() if p[key] != 0.0)
+    center = f"({given(p['center[1]'])} m, {given(p['center[2]'])} m)"
+    if p["radius"] == 0.0:
+        text += f" to rest at {center}"
+    else:
+        text += f", along a circle of radius {given(p['radius'])} m about {center} at {given(p['rate'])} rad/s"
+    extra = [
+        f"{symbol} = {given(run.planned.inputs[name])} {unit}"
+        for name, (symbol, unit) in _DISTURBANCES.items()
+        if run.planned.inputs[name]
+    ]
+    extra += [f"ρ{'₁₂'[k]} = {given(p[f'rho[{k + 1}]'])}" for k in (0, 1) if p[f"rho[{k + 1}]"] != 1.0]
+    return f"{text}; {', '.join(extra)}." if extra else f"{text}."
+
+
+def loop_row(loop: LinearLoop) -> dict[str, str]:
+    """Title, gain and poles of a linear loop."""
+    return {
+        "title": loop.title,
+        "gain": ", ".join(given(float(one)) for one in loop.gain),
+        "poles": poles_text(loop.poles),
+    }
+
+
+def margin_rows(loops: list[LinearLoop]) -> list[tuple[str, list[str]]]:
+    """Label and one cell for each loop."""
+    return [
+        (label, ["unstable" if one.margins is None else number(scale * getattr(one.margins, name), 4) for one in loops])
+        for name, label, scale in MARGIN_ROWS
+    ]
+
+
+def poles_text(poles: Any) -> str:
+    """Poles as text, conjugate pairs as one."""
+    told = []
+    for one in poles:
+        if abs(one.imag) < 1e-9 * abs(one):
+            told.append(given(float(one.real)))
+        elif one.imag > 0.0:
+            told.append(f"{given(float(one.real))} ± {given(float(one.imag))}j")
+    return ", ".join(told)

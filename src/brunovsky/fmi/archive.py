@@ -1,0 +1,96 @@
+"""FMU files: what :mod:`brunovsky.fmi.contents` makes of a block, zipped, with the same bytes for equal blocks."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import fmpy
+
+from brunovsky.blocks import Block
+from brunovsky.errors import BrunovskyError, ParameterError
+from brunovsky.fmi.contents import fmu_files
+
+FMI_VERSIONS = (2,)
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+def export_fmu(
+    block: Block, path: str | os.PathLike[str], fmi_version: int = 2, platforms: Sequence[str] = ("host",)
+) -> Path:
+    """Write an FMU for co-simulation and model exchange, with its sources.
+
+    The file is written whole or not at all, and has the same bytes for equal blocks on the same machine.
+
+    Parameters
+    ----------
+    block : Block
+        Any block or diagram; its name is the model identifier.
+    path : path
+        Of the FMU; missing folders are made.
+    fmi_version : int
+        2, the only one so far.
+    platforms : sequence of str
+        Only this machine so far: ``"host"``, or its FMI 2 name (``"linux64"``, ``"win64"``, ``"darwin64"``).
+
+    Returns
+    -------
+    Path
+        Of the FMU.
+
+    Raises
+    ------
+    ParameterError
+        For a version or platform that cannot be built.
+    ModelError
+        If the block uses a name that every FMU has: ``step_size``, ``solver``.
+    CompilerError
+        If there is no C compiler or it fails.
+    BrunovskyError
+        If the file cannot be written.
+    """
+    check_version(fmi_version)
+    for one in platforms:
+        if one not in ("host", fmpy.platform):
+            raise ParameterError(
+                f"platform '{one}' cannot be built here: only 'host' ({fmpy.platform}) can; "
+                "the FMU has its sources, compile them on the other machine"
+            )
+    if not platforms:
+        raise ParameterError(f"no platform was named; name 'host' ({fmpy.platform})")
+    target = Path(path)
+    files = fmu_files(block)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        _write(target, files)
+    except OSError as error:
+        raise BrunovskyError(f"the FMU {target} cannot be written: {error.strerror or error}") from None
+    return target
+
+
+def check_version(fmi_version: int) -> None:
+    """Refuse versions of FMI that are not built."""
+    if fmi_version not in FMI_VERSIONS:
+        raise ParameterError(f"FMI {fmi_version} is not available; use fmi_version=2")
+
+
+def _write(target: Path, files: Mapping[str, bytes]) -> None:
+    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}-", delete=False) as fresh:
+        try:
+            with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED) as archive:
+                for name in sorted(files):
+                    entry = zipfile.ZipInfo(name, _EPOCH)
+                    entry.create_system = 3
+                    entry.compress_type = zipfile.ZIP_DEFLATED
+                    entry.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
+                    archive.writestr(entry, files[name])
+            fresh.close()
+            os.chmod(fresh.name, 0o644)
+            os.replace(fresh.name, target)
+        except BaseException:
+            fresh.close()
+            os.unlink(fresh.name)
+            raise

@@ -1,0 +1,31 @@
+"""The FMUs that ship, as ``fmu/manifest.toml`` lists them."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+
+from brunovsky._resources import resource
+from brunovsky.blocks import Block, library
+from brunovsky.errors import ParameterError
+
+
+def shipped_fmus() -> Mapping[str, str]:
+    """Description of each FMU that ships, by the name of its block, in the order of the manifest."""
+    listed = tomllib.loads(resource("fmu", "manifest.toml").read_text(encoding="utf-8"))["fmu"]
+    return {one["block"]: one["description"] for one in listed}
+
+
+def shipped_block(name: str) -> Block:
+    """Block of an FMU that ships.
+
+    Raises
+    ------
+    ParameterError
+        If the manifest doesn't list it.
+    """
+    names = shipped_fmus()
+    if name not in names:
+        raise ParameterError(f"there is no FMU '{name}' in the manifest; there are {', '.join(names)}")
+    block: Block = getattr(library, name)()
+    return block

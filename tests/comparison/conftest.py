@@ -1,0 +1,57 @@
+"""The paper's study, run once natively for all tests of this folder."""
+
+from pathlib import Path
+
+import pytest
+
+from brunovsky._resources import resource
+from brunovsky.comparison import Comparison, ReportFiles, Study, load_study, run_study, write_report
+
+
+@pytest.fixture(scope="session")
+def paper() -> Study:
+    return load_study(resource("comparisons", "paper.toml"))
+
+
+@pytest.fixture(scope="session")
+def paper_runs(paper: Study) -> Comparison:
+    return run_study(paper, engine="native")
+
+
+@pytest.fixture(scope="session")
+def written(paper_runs: Comparison, tmp_path_factory: pytest.TempPathFactory) -> ReportFiles:
+    return write_report(paper_runs, tmp_path_factory.mktemp("paper"))
+
+
+SMALL = """
+name = "small"
+title = "A small study"
+engine = "native"
+
+[parameters]
+eta_min_m_per_s = 0.05
+
+[[laws]]
+name = "linear"
+kind = "linear"
+
+[[laws]]
+name = "relay"
+kind = "sign"
+parameters = { P_m_per_s3 = 2.5 }
+
+[[scenarios]]
+name = "circle"
+title = "Circle"
+duration_s = 3.0
+[scenarios.parameters]
+x_start_m = 1.0
+eta_start_1_m_per_s = 0.5
+"""
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    path = tmp_path / "small.toml"
+    path.write_text(SMALL, encoding="utf-8")
+    return path

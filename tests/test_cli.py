@@ -1,0 +1,142 @@
+"""The command line: what it prints, writes and exits with."""
+
+from pathlib import Path
+
+import pytest
+from fmpy.validation import validate_fmu
+
+from brunovsky import cli
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):  # type: ignore[no-untyped-def]
+    def call(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.argv", ["brunovsky", *map(str, arguments)])
+        monkeypatch.setenv("COLUMNS", "200")
+        status = 0
+        try:
+            cli.main()
+        except SystemExit as error:
+            status = int(error.code or 0)
+        written = capfd.readouterr()
+        return status, written.out, written.err
+
+    return call
+
+
+def test_derive_prints_the_derivation(run) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = run("derive")
+    assert status == 0
+    for piece in ("relative degree", "-eta_1", "w_1"):
+        assert piece in out
+    status, out, _ = run("derive", "robot", "--latex")
+    assert status == 0 and "\\begin" in out
+
+
+def test_list_names_everything_that_ships(run) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = run("list")
+    assert status == 0
+    for name in (*cli.SYSTEMS, *cli.BLOCKS, "paper"):
+        assert name in out
+
+
+def test_build_writes_valid_fmus(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = run("build", "-o", tmp_path, "circle", "linearized_robot")
+    assert status == 0
+    for name in ("circle", "linearized_robot"):
+        path = tmp_path / "fmi2" / f"{name}.fmu"
+        assert str(path) in out and validate_fmu(str(path)) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["derive", "aeroplane"], "there is no system 'aeroplane'; there is robot"),
+        (["build", "aeroplane"], "there is no block 'aeroplane'; there is robot, linearized_robot"),
+        (["build", "--fmi", "3"], "'3' is not"),
+        (["build", "--platform", "vax"], "'vax' is not"),
+        (["derive", "Robot"], "did you mean 'robot'?"),
+        (["build", "robott"], "did you mean 'robot'?"),
+        (
+            ["compare", "no-such-study"],
+            "'no-such-study' is not a .toml file, and there is no study 'no-such-study'; there is ",
+        ),
+        (["compare", "papper"], "did you mean 'paper'?"),
+        (["compare", "missing.toml"], "missing.toml"),
+        (["compare"], "Missing argument"),
+        (["frobnicate"], "No such command 'frobnicate'"),
+    ],
+)
+def test_unusable_input_is_one_line_and_status_2(run, arguments: list[str], message: str) -> None:  # type: ignore[no-untyped-def]
+    status, out, err = run(*arguments)
+    assert status == 2 and out == ""
+    assert err.startswith("brunovsky: ") and message in err
+    assert err.count("\n") == 1 and "Traceback" not in err
+
+
+def test_debug_shows_the_traceback(run) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(Exception, match="there is no system"):
+        run("--debug", "derive", "aeroplane")
+
+
+def test_unknown_key_of_a_study_is_named(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    shipped = Path(cli.resource("comparisons", "paper.toml")).read_text()
+    study = tmp_path / "mine.toml"
+    study.write_text(f"colour = 'red'\n{shipped}")
+    status, _, err = run("compare", study, "-o", tmp_path / "out")
+    assert status == 2 and "mine.toml" in err and "colour" in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_failed_runs_are_named_and_all_of_them_failing_is_status_1(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    study = tmp_path / "rest.toml"
+    study.write_text(
+        """
+name = "rest"
+title = "A start at rest without the guard"
+description = "Fails at once."
+model = "closed_loop"
+engine = "native"
+step_size_s = 1e-3
+{shared}
+[[laws]]
+name = "linear"
+kind = "linear"
+
+[[scenarios]]
+name = "rest"
+title = "At rest"
+duration_s = 0.1
+[scenarios.parameters]
+eta_start_1_m_per_s = 0.0
+eta_min_m_per_s = 0.0
+""".replace("{shared}", "")
+    )
+    status, out, err = run("compare", study, "-o", tmp_path / "out")
+    assert status == 1 and "report.html" in out
+    assert "rest/linear failed: " in err and "singular at eta[1] = 0" in err
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_an_unusable_study_does_not_hide_the_others(run, monkeypatch, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    (tmp_path / "mine.toml").write_text("colour = 'red'")
+    monkeypatch.setattr(cli, "resource", lambda *parts: tmp_path)
+    status, out, _ = run("list")
+    assert status == 0 and "mine" in out and "unusable" in out and "closed_loop" in out
+
+
+def test_help_and_version(run) -> None:  # type: ignore[no-untyped-def]
+    for arguments in ((), ("-h",), ("--help",)):
+        status, out, err = run(*arguments)
+        assert status == 0 and "Usage: " in out and err == ""
+    status, out, _ = run("--version")
+    assert status == 0 and out.strip() == cli.br.__version__
+
+
+def test_ctrl_c_is_status_130(run, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(cli.SYSTEMS, "robot", interrupt)  # type: ignore[arg-type]
+    status, _, err = run("derive")
+    assert status == 130 and err == "brunovsky: stopped\n"
