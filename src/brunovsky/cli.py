@@ -1,7 +1,7 @@
 """The command line: derive, build, compare, list.
 
-Exit status 0 on success, 1 on a failed check or a comparison all of whose runs failed, 2 on unusable input, 130 on Ctrl-C, with one readable line and no
-traceback unless ``--debug``.
+Exit status 0 on success, 1 on a failed check or a comparison all of whose runs failed, 2 on unusable input, 130 on
+Ctrl-C, with one readable line and no traceback unless ``--debug``.
 """
 
 from __future__ import annotations

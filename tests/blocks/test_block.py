@@ -270,5 +270,5 @@ def test_blocks_show_themselves_shortly() -> None:
 
 
 def test_forgotten_parentheses_are_named() -> None:
-    with pytest.raises(ModelError, match="simulate takes a Block, not <function closed_loop.*parentheses"):
+    with pytest.raises(ModelError, match=r"simulate takes a Block, not <function closed_loop.*parentheses"):
         br.simulate(br.blocks.closed_loop, 1.0)  # type: ignore[arg-type]
