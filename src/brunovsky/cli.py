@@ -21,7 +21,8 @@ from rich.table import Table
 
 import brunovsky as br
 from brunovsky._resources import resource
-from brunovsky.errors import BrunovskyError, unknown_name
+from brunovsky._suggest import unknown_name
+from brunovsky.errors import BrunovskyError
 from brunovsky.fmi import export_fmu, shipped_fmus
 
 app = typer.Typer(

@@ -4,8 +4,6 @@ Every message says what was wrong, where, and what to do about it. The command l
 :class:`BrunovskyError` into one readable line and exit status 2.
 """
 
-from collections.abc import Iterable
-from difflib import get_close_matches
 from typing import Any
 
 
@@ -60,11 +58,3 @@ class SimulationError(BrunovskyError):
         self.reason = reason
         self.trajectory: Any = None
         self.rows: Any = None
-
-
-def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
-    """Sentence for a name that isn't there: the nearest one that is, or all of them."""
-    names = list(known)
-    near = get_close_matches(name, names, 1, 0.5) or [one for one in names if one.lower() == name.lower()]
-    hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(names) or 'none'}"
-    return f"no {kind} '{name}'; {hint}"

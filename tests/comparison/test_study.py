@@ -85,6 +85,11 @@ def test_a_study_is_frozen_and_pickles(small):
         ("P_m_per_s3 = 2.5", "P_m_per_s3 = -2.5", ["laws[2].parameters", "P_m_per_s3 = -2.5", "out of range"]),
         ("P_m_per_s3 = 2.5", "phi_m_per_s2 = 1.0", ["laws[2]", "phi = 0", "saturation"]),
         ("P_m_per_s3 = 2.5", "Q_per_s = 1.0", ["Q_per_s", "shared by all laws", "[parameters]"]),
+        (
+            'kind = "sign"\nparameters = { P_m_per_s3 = 2.5 }',
+            'kind = "saturation"\nparameters = { P_m_per_s3 = 2.5, phi_m_per_s2 = 1e-3 }',
+            ["law 'relay'", "phi_m_per_s2 = 0.001", "step_size_s = 0.001", "phi_m_per_s2 of 0.001", "kind 'sign'"],
+        ),
         ('name = "relay"', 'name = "linear"', ["two laws", "'linear'", "rename"]),
         (
             'title = "Circle"',

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
+from brunovsky._suggest import unknown_name
 from brunovsky.blocks.relations import RelationTable, ordered_relations, root_symbols
 from brunovsky.blocks.units import unit_exponents
 from brunovsky.blocks.variables import (
@@ -27,7 +28,7 @@ from brunovsky.blocks.variables import (
     Transition,
     Variable,
 )
-from brunovsky.errors import ModelError, ParameterError, unknown_name
+from brunovsky.errors import ModelError, ParameterError
 
 V = TypeVar("V", bound=Variable)
 _FROM_PARAMETERS = "parameters"

@@ -7,8 +7,8 @@
 
 from brunovsky.comparison.agreement import Agreement
 from brunovsky.comparison.engines import Status
-from brunovsky.comparison.figures import readme_figure
 from brunovsky.comparison.metrics import Metrics, compute_metrics
+from brunovsky.comparison.readme import readme_figure
 from brunovsky.comparison.report import ReportFiles, compare_study, write_report
 from brunovsky.comparison.run import Comparison, Run, run_study
 from brunovsky.comparison.study import Law, Scenario, Study, load_study

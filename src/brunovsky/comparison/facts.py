@@ -7,11 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
-from brunovsky.comparison.metrics import instants, tail, total_variation, values
-from brunovsky.comparison.run import Run
+from brunovsky.comparison.metrics import instants, position_error, settling_time, tail, total_variation, values
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+FINER = {"settling_1mm": 1e-3, "settling_100um": 1e-4}  # m; settling beyond the 1 cm of the metrics
 
 
 @dataclass(frozen=True)
@@ -20,8 +23,10 @@ class Facts:
 
     Attributes
     ----------
-    peak_speed_time, peak_yaw_time : float
-        When the largest abs(eta1) and the largest abs(u2) occurred (s).
+    settling_1mm, settling_100um : float or None
+        Last time the position error exceeds 1 mm and 0.1 mm (s); None if it still does at the end.
+    peak_yaw_time : float
+        When the largest abs(u2) occurred (s).
     peak_yaw_speed : float
         abs(eta1) at the largest abs(u2) (m/s).
     guarded_share : float
@@ -34,11 +39,14 @@ class Facts:
         theta (rad).
     roughness_u1, roughness_u2 : float
         Total variation over the last quarter, for each second of it (m/s3, rad/s3).
-    tail_speed, tail_forward, tail_yaw : float
-        Smallest abs(eta1) (m/s), largest abs(u1) (m/s2) and abs(u2) (rad/s2) over the last quarter.
+    tail_speed, tail_fastest, tail_turning : float
+        Smallest and largest abs(eta1) (m/s) and largest abs(eta2) (rad/s) over the last quarter.
+    tail_forward, tail_yaw : float
+        Largest abs(u1) (m/s2) and abs(u2) (rad/s2) over the last quarter.
     """
 
-    peak_speed_time: float
+    settling_1mm: float | None
+    settling_100um: float | None
     peak_yaw_time: float
     peak_yaw_speed: float
     guarded_share: float
@@ -49,22 +57,24 @@ class Facts:
     roughness_u1: float
     roughness_u2: float
     tail_speed: float
+    tail_fastest: float
+    tail_turning: float
     tail_forward: float
     tail_yaw: float
 
 
-def facts_of(run: Run) -> Facts:
-    """Facts of a run that reached its end."""
-    time, data = instants(run.trajectory), run.trajectory
-    speed, u1, u2, theta = (values(data, name) for name in ("eta[1]", "u[1]", "u[2]", "theta"))
+def compute_facts(data: xr.Dataset) -> Facts:
+    """Facts of a run that reached its end, from its trajectory."""
+    time, error = instants(data), position_error(data)
+    speed, turning, u1, u2, theta = (values(data, name) for name in ("eta[1]", "eta[2]", "u[1]", "u[2]", "theta"))
     guarded = values(data, "singular") > 0.0
     last = tail(time)
     duration = float(time[-1] - time[last][0])
-    settled = run.metrics.settling_time
+    settled = settling_time(time, error)
     moving = np.sign(speed[time <= (time[-1] if settled is None else settled)])
     moving = moving[moving != 0.0]
     return Facts(
-        peak_speed_time=float(time[np.argmax(np.abs(speed))]),
+        **{name: settling_time(time, error, threshold) for name, threshold in FINER.items()},
         peak_yaw_time=float(time[np.argmax(np.abs(u2))]),
         peak_yaw_speed=float(np.abs(speed[np.argmax(np.abs(u2))])),
         guarded_share=float(np.mean(guarded)),
@@ -75,9 +85,16 @@ def facts_of(run: Run) -> Facts:
         roughness_u1=total_variation(u1[last]) / duration,
         roughness_u2=total_variation(u2[last]) / duration,
         tail_speed=float(np.min(np.abs(speed[last]))),
+        tail_fastest=float(np.max(np.abs(speed[last]))),
+        tail_turning=float(np.max(np.abs(turning[last]))),
         tail_forward=float(np.max(np.abs(u1[last]))),
         tail_yaw=float(np.max(np.abs(u2[last]))),
     )
+
+
+def wrapped(angle: float) -> float:
+    """An angle in (-pi, pi], rad."""
+    return -((math.pi - angle) % (2.0 * math.pi) - math.pi)
 
 
 def number(value: float | None, digits: int = 3) -> str:

@@ -34,7 +34,7 @@ def scenario_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     right = [figure.add_subplot(grid[row, 1]) for row in range(4)]
     window = transient_window(comparison, scenario)
     _draw_paths(path, laws, titled=True)
-    _draw_error(error, laws)
+    _draw_error(error, laws, window)
     _draw_speed(speed, laws, window)
     layers = [run.planned.parameters["phi"] for _, law, run in laws if law.kind == "saturation"]
     for axes, name, label, linear in zip(
@@ -100,14 +100,6 @@ def poles_figure(groups: Sequence[tuple[str, np.ndarray[Any, np.dtype[np.complex
     return figure
 
 
-def readme_figure(comparison: Comparison) -> str:
-    """Paths of figure 6 of the paper from inside, outside and on the circle, as a small SVG."""
-    scenarios = [one for one in comparison.study.scenarios if one.figure == "6"]
-    with drawing.settings():
-        text = drawing.svg(paths_figure(comparison, scenarios), "paths")
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'
-
-
 def transient_window(comparison: Comparison, scenario: Scenario) -> float:
     """Time up to which inputs are shown, s: two and a half times the longest settling time, at least 2 s."""
     settled = [run.metrics.settling_time for _, run in comparison.laws_of(scenario) if run.ok]
@@ -162,23 +154,25 @@ def _draw_paths(axes: Axes, laws: Sequence[tuple[int, Law, Run]], *, titled: boo
         axes.set_title("path", loc="left")
 
 
-def _draw_error(axes: Axes, laws: Sequence[tuple[int, Law, Run]]) -> None:
+def _draw_error(axes: Axes, laws: Sequence[tuple[int, Law, Run]], window: float) -> None:
     highest = 10 * SETTLED
     for index, _, run in laws:
-        time, error = drawing.thinned(instants(run.trajectory), position_error(run.trajectory))
+        time = instants(run.trajectory)
+        shown = time <= window * (1.0 + 1e-9)
+        time, error = drawing.thinned(time[shown], position_error(run.trajectory)[shown])
         axes.plot(time, np.maximum(error, _SMALLEST_ERROR), **drawing.style(index))
-        highest = max(highest, float(np.max(error)))
+        highest = max(highest, float(np.max(error, initial=0.0)))
     drawing.limit_decades(axes, _SMALLEST_ERROR, highest, most=5)
     axes.axhline(SETTLED, **drawing.REFERENCE)
     axes.set_title(f"position error, m;  dotted: {SETTLED * 100:g} cm", loc="left")
-    axes.set_xlim(0.0, max((run.planned.duration for _, _, run in laws), default=1.0))
+    axes.set_xlim(0.0, window)
 
 
 def _draw_speed(axes: Axes, laws: Sequence[tuple[int, Law, Run]], window: float) -> None:
     _draw_signal(axes, laws, "eta[1]", window)
     _draw_limits(axes, [run.planned.parameters["eta_min"] for _, _, run in laws])
     drawing.signed_decades(axes, 0.1, at_least=0.1)
-    axes.set_title("forward velocity η₁, m/s;  dotted: guard ±η_min", loc="left")
+    axes.set_title("forward velocity η₁, m/s;  dotted: guard ±$\\eta_\\mathrm{min}$", loc="left")
 
 
 def _draw_limits(axes: Axes, limits: Sequence[float]) -> None:

@@ -10,12 +10,15 @@ from brunovsky.analysis import (
     Margins,
     boundary_layer_gain,
     closed_loop_poles,
+    forward_disturbance_bound,
     margins,
     sliding_gain,
     surface_poles,
     unmatched_residual,
+    yaw_disturbance_bound,
 )
 from brunovsky.comparison.metrics import Array
+from brunovsky.comparison.run import Run
 from brunovsky.comparison.study import Law, PlannedRun, Study
 from brunovsky.errors import ParameterError
 
@@ -86,6 +89,22 @@ def predicted_residual(planned: PlannedRun, law: Law) -> float | None:
     left = gain[0] + 1j * w * gain[1] - w**2 * gain[2] - 1j * w**3
     right = d1 * (gain[2] + 2j * w) + 1j * p["radius"] * w * d2
     return float(abs(right / left))
+
+
+def within_bounds(run: Run) -> bool:
+    """Whether P rejects the disturbances of a run in its last quarter: their shares of the two bounds sum to below 1.
+
+    The bounds are taken at the largest speed and yaw rate of that quarter; without disturbance the answer is yes.
+    """
+    p, d1, d2 = run.planned.parameters, abs(run.planned.inputs["d[1]"]), abs(run.planned.inputs["d[2]"])
+    if not d1 and not d2:
+        return True
+    if run.facts is None or not p["P"]:
+        return False
+    surface = [p[f"C[{k}]"] for k in (1, 2, 3)]
+    forward = forward_disturbance_bound(surface, p["P"], run.facts.tail_turning)
+    yaw = yaw_disturbance_bound(surface, p["P"], run.facts.tail_fastest)
+    return d1 / forward + d2 / yaw < 1.0
 
 
 def _loop(title: str, gain: Array) -> LinearLoop:

@@ -20,8 +20,9 @@ from brunovsky.comparison.facts import given, joined, number
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.linear_part import linear_loops, motion_on_surface, shares_one_linear_part
 from brunovsky.comparison.run import Comparison, Progress, run_study
+from brunovsky.comparison.sensitivity import CONVERGED, MARK, step_sensitivity
 from brunovsky.comparison.study import EngineName, Scenario, Study, load_study
-from brunovsky.comparison.tables import conditions, loop_row, margin_rows, metric_rows, poles_text
+from brunovsky.comparison.tables import conditions, footnote, loop_row, margin_rows, metric_rows, poles_text
 
 
 class ReportFiles(NamedTuple):
@@ -94,6 +95,7 @@ def metrics_data(comparison: Comparison) -> dict[str, Any]:
                 "law": run.planned.law,
                 "scenario": run.planned.scenario,
                 "metrics": run.metrics.as_dict(),
+                "step_sensitivity": step_sensitivity(run),
                 "status": run.status.state,
                 "status_time": run.status.time,
                 "status_message": run.status.message,
@@ -124,7 +126,8 @@ def render_report(comparison: Comparison) -> str:
     """HTML of the report."""
     study = comparison.study
     groups = [(f"Figure {k} of the paper", [one for one in study.scenarios if one.figure == k]) for k in "456"]
-    groups.append(("Beyond the paper’s figures", [one for one in study.scenarios if one.figure is None]))
+    others = [one for one in study.scenarios if one.figure is None]
+    groups.append(("Beyond the paper’s figures" if len(others) < len(study.scenarios) else "Scenarios", others))
     loops = linear_loops(study)
     with drawing.settings():
         sections = [
@@ -154,6 +157,8 @@ def render_report(comparison: Comparison) -> str:
         provenance=_plain(comparison.provenance),
         resolved=json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False),
         number=number,
+        mark=MARK.strip(),
+        converged=f"{100 * CONVERGED:g} %",
         given=given,
     )
 
@@ -175,6 +180,7 @@ def _scenario(comparison: Comparison, scenario: Scenario) -> dict[str, Any]:
         "regulation": all(run.planned.parameters["radius"] == 0.0 for _, run in pairs),
         "findings": scenario_findings(comparison, scenario),
         "laws": [law for law, _ in pairs],
+        "footnote": footnote([run for _, run in pairs]),
         "rows": metric_rows([run for _, run in pairs]),
         "conditions": conditions(pairs[0][1]),
     }

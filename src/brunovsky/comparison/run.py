@@ -6,7 +6,7 @@ import contextlib
 import platform
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -16,13 +16,30 @@ import xarray as xr
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.agreement import Agreement, cross_check
-from brunovsky.comparison.engines import Engine, NativeSimulation, Status, check_outcome, opened_fmu
+from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, Status, check_outcome, opened_fmu
+from brunovsky.comparison.facts import Facts, compute_facts
 from brunovsky.comparison.keys import study_block
 from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.study import EngineName, Law, PlannedRun, Scenario, Study
 
 Progress = Callable[[int, int, str], None]
 _PACKAGES = ("brunovsky", "numpy", "sympy", "control", "xarray", "matplotlib")
+
+
+@dataclass(frozen=True)
+class HalfStep:
+    """The native simulation of a run at half its step, and nothing else changed.
+
+    Attributes
+    ----------
+    metrics : Metrics
+        All None if it failed.
+    facts : Facts or None
+        None if it failed.
+    """
+
+    metrics: Metrics
+    facts: Facts | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +58,10 @@ class Run:
         All None for a run that failed: they are defined over the whole duration.
     agreement : Agreement or None
         Against the native simulation; None where that is the engine.
+    facts : Facts or None
+        None for a run that failed.
+    half_step : HalfStep or None
+        What the same run gives at half the step; None for a run that failed.
     """
 
     planned: PlannedRun
@@ -48,6 +69,8 @@ class Run:
     status: Status
     metrics: Metrics
     agreement: Agreement | None
+    facts: Facts | None
+    half_step: HalfStep | None
 
     @property
     def ok(self) -> bool:
@@ -131,8 +154,20 @@ def run_study(
 def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
     outcome = check_outcome(engine.run(planned))
     agreement = None if engine is native else cross_check(planned, outcome, check_outcome(native.run(planned)))
-    metrics = compute_metrics(outcome.trajectory) if outcome.status.state == "ok" else Metrics()
-    return Run(planned, outcome.trajectory, outcome.status, metrics, agreement)
+    metrics, facts = _measured(outcome)
+    half = _half_step(planned, native) if facts is not None else None
+    return Run(planned, outcome.trajectory, outcome.status, metrics, agreement, facts, half)
+
+
+def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:
+    finer = replace(planned, step_size=0.5 * planned.step_size)
+    return HalfStep(*_measured(check_outcome(native.run(finer))))
+
+
+def _measured(outcome: Outcome) -> tuple[Metrics, Facts | None]:
+    if outcome.status.state != "ok":
+        return Metrics(), None
+    return compute_metrics(outcome.trajectory), compute_facts(outcome.trajectory)
 
 
 @contextlib.contextmanager

@@ -30,6 +30,7 @@ from brunovsky.comparison.keys import Key, bounds, input_keys, parameter_keys, r
 from brunovsky.comparison.problems import describe
 from brunovsky.errors import StudyError
 
+FASTEST_LAYER = 2.5  # step times pole of a boundary layer; RK4 is unstable on the real axis from 2.785 on
 MOST_STEPS = 2e6  # of one run, which is kept in memory
 SWITCHING = ("P", "phi")  # what a law sets, and nothing else does
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
@@ -186,9 +187,27 @@ class Study(_Table):
                     f"step_size_s = {self.step_size_s:g}; shorten the one or lengthen the other"
                 )
         for run in self.plan():
+            self._check_layer(run)
             for check in study_block().failed_checks(run.parameters, "start"):
                 raise ValueError(f"scenario '{run.scenario}', law '{run.law}': {check.message}")
         return self
+
+    def _check_layer(self, run: PlannedRun) -> None:
+        """Refuse a boundary layer too thin for the step: within it S' = -(Q + P/phi) S, a linear branch."""
+        Q, P, phi = (run.parameters[name] for name in ("Q", "P", "phi"))
+        if not P or not phi or self.step_size_s * (Q + P / phi) <= FASTEST_LAYER:
+            return
+        room = FASTEST_LAYER / self.step_size_s - Q
+        remedies = [f"step_size_s of {0.99 * FASTEST_LAYER / (Q + P / phi):.2g} or less", "kind 'sign' (phi = 0)"]
+        if room > 0.0:
+            remedies.insert(0, f"phi_m_per_s2 of {1.01 * P / room:.3g} or more")
+        raise ValueError(
+            f"scenario '{run.scenario}', law '{run.law}': the boundary layer phi_m_per_s2 = {phi:g} is too thin for "
+            f"step_size_s = {self.step_size_s:g}: its pole Q + P/phi = {Q + P / phi:.4g} 1/s is beyond "
+            f"{FASTEST_LAYER:g}/step_size_s = {FASTEST_LAYER / self.step_size_s:.4g} 1/s (RK4 is unstable "
+            f"from 2.785/step_size_s on); choose "
+            f"{', '.join(remedies[:-1])} or {remedies[-1]}"
+        )
 
     def law(self, name: str) -> Law:
         """The law of this name."""

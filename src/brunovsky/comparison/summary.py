@@ -5,7 +5,8 @@ from __future__ import annotations
 from brunovsky.comparison.claims import claims
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.run import Comparison
-from brunovsky.comparison.tables import conditions, metric_rows
+from brunovsky.comparison.sensitivity import CONVERGED, MARK
+from brunovsky.comparison.tables import conditions, footnote, metric_rows
 
 _KEPT = ("settling time", "RMS position error", "largest", "smallest", "total variation")
 
@@ -24,10 +25,13 @@ def summary_markdown(comparison: Comparison) -> str:
         f"Written from the runs of `{study.name}.toml` (engine {comparison.engine}, step {study.step_size_s * 1e3:g} "
         "ms). The report of a run has the figures, the poles, all metrics and the limits of the study.",
         "",
-        "## What the paper claims, and what these runs show",
-        "",
+        f"All numbers are those of this step. Each run was repeated natively at half of it; a number marked "
+        f"{MARK.strip()} changes by more than {100 * CONVERGED:g} %.",
     ]
-    lines += [f"- {claim.quote}: **{claim.verdict}**. {claim.shown}" for claim in claims(comparison)]
+    found = claims(comparison)
+    if found:
+        lines += ["", "## What the paper claims, and what these runs show", ""]
+        lines += [f"- {claim.quote}: **{claim.verdict}**. {claim.shown}" for claim in found]
     for scenario in study.scenarios:
         pairs = comparison.laws_of(scenario)
         figure = f"Figure {scenario.figure}: " if scenario.figure else ""
@@ -39,4 +43,6 @@ def summary_markdown(comparison: Comparison) -> str:
         for label, unit, cells in metric_rows([run for _, run in pairs]):
             if label.startswith(_KEPT):
                 lines.append(f"| {label.replace('|', chr(92) + '|')} | {unit} | {' | '.join(cells)} |")
+        note = footnote([run for _, run in pairs], _KEPT)
+        lines += ["", note.replace("|", chr(92) + "|")] if note else []
     return "\n".join(lines) + "\n"

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from brunovsky.comparison.facts import given, number
+from brunovsky.comparison.facts import given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
 from brunovsky.comparison.run import Run
+from brunovsky.comparison.sensitivity import CONVERGED, MARK, both, converged, sensitivity, told
 
 METRIC_ROWS = (
     ("settling_time", "settling time (position error > 1 cm until)", "s"),
+    ("settling_1mm", "settling time to 1 mm", "s"),
+    ("settling_100um", "settling time to 0.1 mm", "s"),
     ("iae", "IAE, integral of the position error", "m s"),
     ("ise", "ISE, integral of its square", "m² s"),
     ("itae", "ITAE, integral of time × error", "m s²"),
@@ -48,10 +51,41 @@ def _status(run: Run) -> str:
 
 
 def _cell(run: Run, name: str) -> str:
-    value = run.metrics.as_dict()[name]
+    value = both(run, name)[0]
     if value is None:
-        return "never" if run.ok and name == "settling_time" else "–"
-    return f"{value:.3f}" if name == "settling_time" else number(value, 4)
+        return "never" if run.ok and name.startswith("settling") else "–"
+    if name.startswith("settling"):
+        return f"{'' if converged(run, name) else MARK}{value:.3f}"
+    return told(run, name, 4)
+
+
+def footnote(runs: list[Run], shown: tuple[str, ...] = ("",)) -> str:
+    """Which numbers of a table are marked, and by how much they change at half the step; empty if none is.
+
+    Parameters
+    ----------
+    runs : list of Run
+        Columns of the table.
+    shown : tuple of str
+        What the labels of its rows begin with.
+    """
+    parts = []
+    for name, label, _ in METRIC_ROWS:
+        marked = [run for run in runs if both(run, name)[0] is not None and not converged(run, name)]
+        if marked and label.startswith(shown):
+            changes = [f"{_change(run, name)} ({run.planned.law})" for run in marked]
+            parts.append(f"{label.split(' (')[0].split(',')[0]} by {joined(changes)}")
+    if not parts:
+        return ""
+    return (
+        f"{MARK.strip()} changes by more than {100 * CONVERGED:g} % at half the step: {'; '.join(parts)}. Such a "
+        "number is a property of the step too, not of the law alone, and ranks no law."
+    )
+
+
+def _change(run: Run, name: str) -> str:
+    found = sensitivity(run, name)
+    return "an undefined share" if found is None else percent(found)
 
 
 def conditions(run: Run) -> str:

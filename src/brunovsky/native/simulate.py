@@ -9,9 +9,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from brunovsky._suggest import unknown_name
 from brunovsky.blocks import Block, NumpyEngine, Output, Variable
 from brunovsky.blocks.engine import step_count
-from brunovsky.errors import ModelError, ParameterError, SimulationError, unknown_name
+from brunovsky.errors import ModelError, ParameterError, SimulationError
 from brunovsky.native.engine import NativeEngine
 
 Signal = float | ArrayLike | Callable[[float], float]

@@ -1,0 +1,67 @@
+"""What a claim of the paper is, and what the tests of all claims share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from brunovsky.comparison.run import Comparison, Run
+from brunovsky.comparison.study import Law, Scenario
+
+PRINTED = {"C[1]": 500.0, "C[2]": 10.0, "C[3]": 1.0, "Q": 5.0}  # the paper's gains of the linear part
+PRINTED_P = 2.5  # and of the switching term
+
+Case = tuple[Scenario, dict[str, Run]]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim of the paper.
+
+    Attributes
+    ----------
+    quote : str
+        What the paper says.
+    verdict : str
+        ``contradicted``, ``not seen``, ``in part`` or ``confirmed``.
+    shown : str
+        What the runs show.
+    """
+
+    quote: str
+    verdict: str
+    shown: str
+
+
+def is_nominal(run: Run) -> bool:
+    """Whether a run has neither disturbances nor uncertainty."""
+    p = run.planned.parameters
+    return not any(run.planned.inputs.values()) and p["rho[1]"] == 1.0 and p["rho[2]"] == 1.0
+
+
+def is_regulation(run: Run) -> bool:
+    """Whether the reference is a point."""
+    return run.planned.parameters["radius"] == 0.0
+
+
+def has_printed_gains(run: Run) -> bool:
+    """Whether the gains are those that the paper prints; pole placement has its linear part alone."""
+    p = run.planned.parameters
+    return all(p[name] == value for name, value in PRINTED.items()) and p["P"] in (0.0, PRINTED_P)
+
+
+def of_kind(comparison: Comparison, kinds: Sequence[str]) -> list[Law]:
+    """Laws of these kinds."""
+    return [law for law in comparison.study.laws if law.kind in kinds]
+
+
+def pairs(comparison: Comparison, cases: list[Case], kinds: Sequence[str]) -> list[tuple[Scenario, Run, Run]]:
+    """Run under pole placement and run under a law of these kinds, of each scenario that has both."""
+    linear, others = of_kind(comparison, ["linear"]), of_kind(comparison, kinds)
+    return [
+        (scenario, runs[a.name], runs[b.name])
+        for scenario, runs in cases
+        for a in linear
+        for b in others
+        if a.name in runs and b.name in runs
+    ]

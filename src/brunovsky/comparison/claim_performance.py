@@ -1,0 +1,187 @@
+"""Claims of the paper about convergence, steady-state errors, chattering and smoothness."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brunovsky.analysis import surface_poles
+from brunovsky.comparison.claim import Case, Claim, has_printed_gains, is_nominal, is_regulation, of_kind, pairs
+from brunovsky.comparison.facts import given, number, percent
+from brunovsky.comparison.findings_steady import HARDLY, ROUNDING, STILL
+from brunovsky.comparison.run import Comparison, Run
+from brunovsky.comparison.sensitivity import both, largest, sensitivity, spread_of, sure_change, told
+from brunovsky.comparison.study import Scenario
+
+FAST = 5.0  # m/s; faster than any laboratory robot of this kind
+VIOLENT = 1e3  # rad/s2; beyond any drive of such a robot
+ROUGH = 2.0  # times the total variation under pole placement, beyond which an input is said to chatter
+SETTLING = {"settling_time": "1 cm", "settling_1mm": "1 mm", "settling_100um": "0.1 mm"}
+
+
+def convergence(comparison: Comparison, cases: list[Case]) -> Claim | None:
+    """Whether the switching term makes the error fall sooner, for each of several thresholds."""
+    found = [(a, b) for _, a, b in pairs(comparison, cases, ["saturation", "sign"]) if is_nominal(a)]
+    changes = {name: _changes(found, name) for name in SETTLING}
+    known = {name: one for name, one in changes.items() if one}
+    if not known:
+        return None
+    worst = {name: max(one, key=abs) for name, one in known.items()}
+    beyond = [one for one in worst.values() if abs(one) > HARDLY]
+    later = any(one > HARDLY for group in known.values() for one in group)
+    first = next(iter(worst.values()))
+    verdict = (
+        "not seen" if not beyond else "contradicted" if later else "confirmed" if abs(first) > HARDLY else "in part"
+    )
+    parts = [f"to {SETTLING[name]} by {_range(one)} ({_runs(len(one))})" for name, one in known.items()]
+    left_out = sum(len(one) for one in [found]) * len(SETTLING) - sum(len(one) for one in known.values())
+    text = f"With the same linear part the switching term changes the settling time {', '.join(parts)}"
+    if verdict == "in part":
+        text += ": hardly anything to 1 cm, sooner to the finer thresholds"
+    text += f". {_rates(found[0][0])}"
+    if left_out:
+        text += " Left out are runs that start within a threshold, and times and changes that are not converged with"
+        text += " the step."
+    return Claim(
+        "“the improvement of the trajectory tracking and the stabilization process”, “the convergence itself, "
+        "its rate”",
+        verdict,
+        text,
+    )
+
+
+def _changes(found: list[tuple[Run, Run]], name: str) -> list[float]:
+    changes = [sure_change(b, a, name) for a, b in found]
+    return [one for one in changes if one is not None]
+
+
+def _runs(count: int) -> str:
+    return f"{count} pair{'s' if count > 1 else ''} of runs"
+
+
+def _range(found: list[float]) -> str:
+    low, high = percent(min(found)), percent(max(found))
+    return low if low == high else f"{low} to {high}"
+
+
+def _rates(run: Run) -> str:
+    """The asymptotic rates with and without sliding, from the gains."""
+    p = run.planned.parameters
+    sliding = -float(np.max(np.real(surface_poles([p[f"C[{k}]"] for k in (1, 2, 3)]))))
+    linear = min(sliding, p["Q"])
+    same = abs(sliding - linear) <= 1e-9 * abs(sliding)
+    told_ = f"once sliding the error decays at {given(sliding)} 1/s (poles of S = 0), under pole placement at "
+    rates = f"{told_}{given(linear)} 1/s (the slower of these and Q = {given(p['Q'])} 1/s)"
+    return f"In the end, {rates}: {'for these gains the rates coincide' if same else 'sliding mode is faster'}."
+
+
+def errors(comparison: Comparison, cases: list[Case]) -> Claim | None:
+    """Whether steady-state errors are small without disturbance."""
+    found = [
+        (a, b) for _, a, b in pairs(comparison, cases, ["saturation", "sign"]) if is_nominal(a) and not is_regulation(a)
+    ]
+    if not found:
+        return None
+    linear, sliding = [a for a, _ in found], [b for _, b in found]
+    nil = all(largest(run, "rms_tail_error") < ROUNDING for run in (*linear, *sliding))
+    text = "On the circle and without disturbance the RMS error of the last quarter is "
+    if nil:
+        text += "below 1 nm under each law: nil for every purpose, and no merit of the switching term."
+    else:
+        text += f"{spread_of(linear, 'rms_tail_error', 'm', 2)} under pole placement and "
+        text += f"{spread_of(sliding, 'rms_tail_error', 'm', 2)} under sliding mode."
+    return Claim("“good performances concerning […] the steady state errors”", "confirmed" if nil else "in part", text)
+
+
+def chattering(comparison: Comparison, cases: list[Case]) -> Claim | None:
+    """How much more each input varies than under pole placement, each channel against itself."""
+    tracking = [
+        (scenario, runs)
+        for scenario, runs in cases
+        if all(is_nominal(run) and not is_regulation(run) for run in runs.values())
+    ]
+    relay = _ratios(comparison, tracking, "sign")
+    if not relay["u1"]:
+        return None
+    smooth = _ratios(comparison, tracking, "saturation")
+    u1, u2 = max(relay["u1"]), max(relay["u2"])
+    text = (
+        f"Total variation over a run on the circle, as a multiple of the same input’s under pole placement: under the "
+        f"sign function {_multiples(relay['u1'])} for u₁, which integrates the switching, and "
+        f"{_multiples(relay['u2'])} for u₂, which gets it divided by |η₁|"
+    )
+    if smooth["u1"]:
+        text += f"; with the boundary layer {_multiples(smooth['u1'])} and {_multiples(smooth['u2'])}"
+    text += "." + _growth(comparison, tracking)
+    verdict = "contradicted" if u1 > ROUGH else "in part" if u2 > ROUGH else "confirmed"
+    return Claim("chattering “is considerably reduced, particularly for the first control input u1”", verdict, text)
+
+
+def _ratios(comparison: Comparison, cases: list[Case], kind: str) -> dict[str, list[float]]:
+    """Total variation under a kind of law over that under pole placement, where the latter is not nil."""
+    found: dict[str, list[float]] = {"u1": [], "u2": []}
+    for _, a, b in pairs(comparison, cases, [kind]):
+        for name, ratios in found.items():
+            base, value = (both(run, f"total_variation_{name}")[0] for run in (a, b))
+            if base is not None and value is not None and base > STILL:
+                ratios.append(value / base)
+    return found
+
+
+def _multiples(found: list[float]) -> str:
+    low, high = number(min(found)), number(max(found))
+    return low if low == high else f"{low} to {high}"
+
+
+def _growth(comparison: Comparison, cases: list[Case]) -> str:
+    """Whether the variation of u2 under the relay grows as the step shrinks, from the runs at half the step."""
+    relay = {law.name for law in of_kind(comparison, ["sign"])}
+    runs = [run for _, found in cases for name, run in found.items() if name in relay]
+    grown = [one for one in (sensitivity(run, "total_variation_u2") for run in runs) if one is not None]
+    if not grown or min(grown) <= HARDLY:
+        return ""
+    return (
+        f" These are multiples at the step of the study: at half of it u₂ varies {_range(grown)} more under the sign "
+        "function, and without limit as the step shrinks."
+    )
+
+
+def smoothness(comparison: Comparison, cases: list[Case]) -> Claim | None:
+    """Whether the runs of the paper's figures settle, and whether a robot could follow them."""
+    figures = [(s, run) for s, runs in cases if s.figure is not None for run in runs.values()]
+    if not figures:
+        return None
+    settled = all(run.metrics.settling_time is not None for _, run in figures)
+    violent = any(_is_violent(run) for _, run in figures)
+    verdict = {(True, False): "confirmed", (False, True): "contradicted"}.get((settled, violent), "in part")
+    linear = {law.name for law in of_kind(comparison, ["linear"])}
+    text = ("Stabilisation and convergence are seen: each run of the figures settles to 1 cm. " if settled else
+            "Not each run of the figures settles to 1 cm. ") + _extremes(figures)  # fmt: skip
+    if violent:
+        text += f": far beyond a laboratory robot (taken as at most {given(FAST)} m/s and {given(VIOLENT)} rad/s²)"
+        text += (
+            ", and under pole placement too"
+            if any(_is_violent(r) for _, r in figures if r.planned.law in linear)
+            else ""
+        )
+        text += ". So neither smooth nor applicable"
+    return Claim(
+        "“satisfactory in terms of applicability of the method to both stabilization, and tracking convergence and "
+        "control smoothness”",
+        verdict,
+        text + ".",
+    )
+
+
+def _is_violent(run: Run) -> bool:
+    return (run.metrics.peak_speed or 0.0) > FAST or (run.metrics.peak_yaw_acceleration or 0.0) > VIOLENT
+
+
+def _extremes(figures: list[tuple[Scenario, Run]]) -> str:
+    fastest = max(figures, key=lambda one: one[1].metrics.peak_speed or 0.0)
+    hardest = max(figures, key=lambda one: one[1].metrics.peak_yaw_acceleration or 0.0)
+    gains = "the printed gains" if all(has_printed_gains(run) for _, run in figures) else "the gains of this study"
+    return (
+        f"With {gains} and the start velocity chosen here, the robot reaches {told(fastest[1], 'peak_speed')} m/s "
+        f"(figure {fastest[0].figure}), and {told(hardest[1], 'peak_yaw_acceleration')} rad/s² of yaw acceleration "
+        f"(figure {hardest[0].figure}) where it moves at only {told(hardest[1], 'peak_yaw_speed')} m/s"
+    )

@@ -1,0 +1,89 @@
+"""What the numbers of a run owe to its step: each is compared with the same run at half the step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from brunovsky.comparison.facts import Facts, change, number
+from brunovsky.comparison.run import Run
+
+CONVERGED = 0.01  # relative change at half the step up to which a number counts as converged
+ALIKE = 0.1  # relative change at half the step up to which a difference between two laws is told
+MARK = "≈\u00a0"  # before a number that is not
+
+
+def facts_of(run: Run) -> Facts:
+    """Facts of a run that reached its end."""
+    assert run.facts is not None, run.planned.name
+    return run.facts
+
+
+def both(run: Run, name: str) -> tuple[float | None, float | None]:
+    """A metric or fact of a run, and the same at half the step."""
+    half = run.half_step
+    if name in run.metrics.as_dict():
+        return run.metrics.as_dict()[name], None if half is None else half.metrics.as_dict()[name]
+    return getattr(run.facts, name, None), None if half is None else getattr(half.facts, name, None)
+
+
+def sensitivity(run: Run, name: str) -> float | None:
+    """Relative change of a metric or fact at half the step; None where it is undefined."""
+    value, half = both(run, name)
+    if value is None or half is None:
+        return None
+    if value == half:
+        return 0.0
+    found = half / value - 1.0 if value else math.inf
+    return found if math.isfinite(found) else None
+
+
+def step_sensitivity(run: Run) -> dict[str, float | None]:
+    """Relative change of each metric at half the step, for JSON."""
+    return {name: sensitivity(run, name) for name in run.metrics.as_dict()}
+
+
+def converged(run: Run, *names: str) -> bool:
+    """Whether metrics or facts change by at most one per cent at half the step."""
+    for name in names:
+        found = sensitivity(run, name)
+        if found is None and both(run, name) != (None, None):
+            return False
+        if found is not None and abs(found) > CONVERGED:
+            return False
+    return run.half_step is not None and run.half_step.facts is not None
+
+
+def sure_change(run: Run, base: Run, name: str) -> float | None:
+    """Relative change of a metric or fact from one run to another; None where the step decides on it.
+
+    Both numbers must be converged, and their relative change must be the same within a tenth at half the step.
+    """
+    if not converged(run, name) or not converged(base, name):
+        return None
+    value, half = (change(a, b) for a, b in zip(both(run, name), both(base, name), strict=True))
+    if value is None or half is None or abs(half - value) > ALIKE * abs(value):
+        return None
+    return value
+
+
+def largest(run: Run, name: str) -> float:
+    """The larger of a metric or fact and the same at half the step; infinite where one is missing."""
+    return max(math.inf if one is None else one for one in both(run, name))
+
+
+def told(run: Run, name: str, digits: int = 3) -> str:
+    """A metric or fact as text, marked and with two digits if it is not converged."""
+    value = both(run, name)[0]
+    if value is None or converged(run, name):
+        return number(value, digits)
+    return MARK + number(value, min(digits, 2))
+
+
+def spread_of(runs: Sequence[Run], name: str, unit: str, digits: int = 3) -> str:
+    """Range of a metric or fact over several runs, marked if it is not converged in one of them."""
+    found = [value for value in (both(run, name)[0] for run in runs) if value is not None]
+    sure = all(converged(run, name) for run in runs)
+    digits = digits if sure else min(digits, 2)
+    low, high = number(min(found), digits), number(max(found), digits)
+    return f"{'' if sure else MARK}{low if low == high else f'{low} to {high}'}\u00a0{unit}"
