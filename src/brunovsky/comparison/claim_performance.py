@@ -163,7 +163,7 @@ def smoothness(comparison: Comparison, cases: list[Case]) -> Claim | None:
             if any(_is_violent(r) for _, r in figures if r.planned.law in linear)
             else ""
         )
-        text += ". So neither smooth nor applicable"
+        text += ". On such a robot, as printed, neither smooth nor applicable"
     return Claim(
         "“satisfactory in terms of applicability of the method to both stabilization, and tracking convergence and "
         "control smoothness”",
