@@ -1,6 +1,7 @@
-# make run    the paper's comparison on a native FMU; make test  the test suite; both in .venv
+# make run    the paper's comparison on a native FMU; make test  the test suite; both in .venv (make test ARGS='-k robot' picks)
 PYTHON ?= python3
 VENV := .venv
+ARGS ?= -n auto
 BIN := $(VENV)/bin
 
 .PHONY: run test lint docs clean
@@ -9,7 +10,7 @@ run: $(VENV)/installed
 	$(BIN)/brunovsky compare comparisons/paper.toml -o build/paper
 
 test: $(VENV)/installed-tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(ARGS)
 
 lint: $(VENV)/installed-dev
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
