@@ -16,6 +16,7 @@ import jinja2
 from brunovsky.comparison import drawing, figures
 from brunovsky.comparison.agreement import POSITION_TOLERANCE
 from brunovsky.comparison.claims import claims
+from brunovsky.comparison.equations import determinant, inner_loop_equations, plant_equations
 from brunovsky.comparison.facts import given, joined, number
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.linear_part import linear_loops, motion_on_surface, shares_one_linear_part
@@ -160,6 +161,9 @@ def render_report(comparison: Comparison) -> str:
         mark=MARK.strip(),
         converged=f"{100 * CONVERGED:g} %",
         given=given,
+        plant_equations=plant_equations(),
+        inner_loop_equations=inner_loop_equations(),
+        determinant=determinant(),
     )
 
 
