@@ -33,6 +33,22 @@ def test_derive_prints_the_derivation(run) -> None:  # type: ignore[no-untyped-d
     assert status == 0 and "\\begin" in out
 
 
+def test_derive_takes_a_plant_of_the_gallery(run) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = run("derive", "trailer")
+    assert status == 0 and "Transformation of the inputs" in out
+
+
+def test_list_derives_nothing(run, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
+    def derived() -> None:
+        """What it is."""
+        raise AssertionError("list has derived a system")
+
+    for name in cli.SYSTEMS:
+        monkeypatch.setitem(cli.SYSTEMS, name, derived)  # type: ignore[arg-type]
+    status, out, _ = run("list")
+    assert status == 0 and out.count("What it is") == len(cli.SYSTEMS)
+
+
 def test_list_names_everything_that_ships(run) -> None:  # type: ignore[no-untyped-def]
     status, out, _ = run("list")
     assert status == 0
