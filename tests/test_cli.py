@@ -67,7 +67,8 @@ def test_build_writes_valid_fmus(run, tmp_path: Path) -> None:  # type: ignore[n
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["derive", "aeroplane"], "there is no system 'aeroplane'; there is robot"),
+        (["derive", "bicycle"], "there is no system 'bicycle'; did you mean 'unicycle'?"),
+        (["derive", "gyroscope"], "there is no system 'gyroscope'; there is robot, ball_and_beam"),
         (["build", "aeroplane"], "there is no block 'aeroplane'; there is robot, linearized_robot"),
         (["build", "--fmi", "3"], "'3' is not"),
         (["build", "--platform", "vax"], "'vax' is not"),

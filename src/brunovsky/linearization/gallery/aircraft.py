@@ -68,7 +68,7 @@ def pvtol_flat_untouched() -> AffineSystem:
     """Planar vertical take-off aircraft with coupling, flat outputs, thrust as it is.
 
     Outputs are the position of the centre of oscillation; the substitution of :func:`pvtol_flat` has to be found.
-    Relative degree (4, 4) after one integrator on u1 and one on its successor, full, singular at
+    Relative degree (4, 4) after one integrator on u1 and one on a combination of the inputs, full, singular at
     u1 = epsilon q^2.
 
     References
@@ -83,7 +83,7 @@ def quadrotor() -> AffineSystem:
     """Quadrotor with roll, pitch and yaw.
 
     Outputs are the position and the yaw; relative degree (4, 4, 4, 2) after two integrators on T, full with fourteen
-    states, singular at T cos(phi) = 0.
+    states, singular at T cos(phi) = 0; the angles are not defined at cos(theta) = 0.
 
     References
     ----------
