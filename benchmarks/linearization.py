@@ -3,24 +3,21 @@
 Usage: python benchmarks/linearization.py [PLANT...]
 """
 
+import itertools
 import json
 import platform
 import sys
 import time
-from pathlib import Path
 
 import sympy as sp
 from sympy.core.cache import clear_cache
 
-from brunovsky.linearization import linearize, static_linearizability
+from brunovsky.blocks import robot_linearization
+from brunovsky.linearization import gallery, linearize, static_linearizability
 from brunovsky.linearization.simplify import tidy
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "linearization"))
-import itertools
-
-from gallery_plants import GALLERY
-
-ROBOT = "nominal_robot"
+ROBOT = "robot"
+GALLERY = {name: getattr(gallery, name) for name in gallery.__all__} | {ROBOT: lambda: robot_linearization().system}
 
 
 def measure(name: str) -> dict[str, object]:

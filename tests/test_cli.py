@@ -33,6 +33,22 @@ def test_derive_prints_the_derivation(run) -> None:  # type: ignore[no-untyped-d
     assert status == 0 and "\\begin" in out
 
 
+def test_derive_takes_a_plant_of_the_gallery(run) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = run("derive", "trailer")
+    assert status == 0 and "Transformation of the inputs" in out
+
+
+def test_list_derives_nothing(run, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
+    def derived() -> None:
+        """What it is."""
+        raise AssertionError("list has derived a system")
+
+    for name in cli.SYSTEMS:
+        monkeypatch.setitem(cli.SYSTEMS, name, derived)  # type: ignore[arg-type]
+    status, out, _ = run("list")
+    assert status == 0 and out.count("What it is") == len(cli.SYSTEMS)
+
+
 def test_list_names_everything_that_ships(run) -> None:  # type: ignore[no-untyped-def]
     status, out, _ = run("list")
     assert status == 0
@@ -51,7 +67,8 @@ def test_build_writes_valid_fmus(run, tmp_path: Path) -> None:  # type: ignore[n
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["derive", "aeroplane"], "there is no system 'aeroplane'; there is robot"),
+        (["derive", "bicycle"], "there is no system 'bicycle'; did you mean 'unicycle'?"),
+        (["derive", "gyroscope"], "there is no system 'gyroscope'; there is robot, ball_and_beam"),
         (["build", "aeroplane"], "there is no block 'aeroplane'; there is robot, linearized_robot"),
         (["build", "--fmi", "3"], "'3' is not"),
         (["build", "--platform", "vax"], "'vax' is not"),

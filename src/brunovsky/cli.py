@@ -24,6 +24,7 @@ from brunovsky._resources import resource
 from brunovsky._suggest import unknown_name
 from brunovsky.errors import BrunovskyError
 from brunovsky.fmi import export_fmu, shipped_fmus
+from brunovsky.linearization import gallery
 
 app = typer.Typer(
     name="brunovsky",
@@ -38,7 +39,10 @@ T = TypeVar("T")
 _out = Console(highlight=False)
 _err = Console(stderr=True, highlight=False)
 
-SYSTEMS: Mapping[str, Callable[[], br.Linearization]] = {"robot": br.blocks.robot_linearization}
+SYSTEMS: Mapping[str, Callable[[], br.AffineSystem | br.Linearization]] = {
+    "robot": br.blocks.robot_linearization,
+    **{name: getattr(gallery, name) for name in gallery.__all__},
+}
 BLOCKS: Mapping[str, Callable[[], br.Block]] = {
     name: getattr(br.blocks, name)
     for name in ("robot", "linearized_robot", "circle", "sliding_mode", "pole_placement", "closed_loop")
@@ -83,7 +87,8 @@ def derive(
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX instead of plain text.")] = False,
 ) -> None:
     """Print the derivation: relative degree, extension, F, G, det G, law."""
-    linearization = _known(system, SYSTEMS, "system")()
+    found = _known(system, SYSTEMS, "system")()
+    linearization = br.linearize(found) if isinstance(found, br.AffineSystem) else found
     sys.stdout.write((linearization.latex() if latex else linearization.explain()).rstrip() + "\n")
 
 
@@ -147,8 +152,7 @@ def list_() -> None:
     shipped = shipped_fmus()
     table = Table("kind", "name", "what it is", box=None, pad_edge=False)
     for name, make in SYSTEMS.items():
-        degree = make().relative_degree
-        table.add_row("system", name, f"relative degree {degree} after dynamic extension")
+        table.add_row("system", name, escape((make.__doc__ or "").partition("\n")[0].removesuffix(".")))
     for name, block in BLOCKS.items():
         table.add_row("block", name, escape(block().description) + (" (FMU)" if name in shipped else ""))
     for path in sorted(resource("comparisons").glob("*.toml")):

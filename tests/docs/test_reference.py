@@ -18,9 +18,10 @@ DIRECTIVE = re.compile(
 
 
 def public_modules() -> list[str]:
-    """The package, its packages, and its errors: where people import names from."""
+    """The package, its packages, the gallery, and the errors: where people import names from."""
     packages = [one.name for one in pkgutil.iter_modules(brunovsky.__path__) if one.ispkg and one.name[0] != "_"]
-    return ["brunovsky", *(f"brunovsky.{name}" for name in packages), "brunovsky.errors"]
+    nested = ["brunovsky.linearization.gallery", "brunovsky.errors"]
+    return ["brunovsky", *(f"brunovsky.{name}" for name in packages), *nested]
 
 
 def public_names(module: str) -> list[str]:

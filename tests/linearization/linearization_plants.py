@@ -32,39 +32,6 @@ def pendulum() -> AffineSystem:
     return AffineSystem((angle, rate), (torque,), [rate, -g / length * sin(angle)], [0, 1], (angle,), (g, length))
 
 
-def manipulator() -> AffineSystem:
-    """Two-link arm in joint coordinates: M(q) q'' + c(q, q') = tau, with the usual three inertia parameters."""
-    q1, q2, p1, p2, t1, t2 = sp.symbols("q1 q2 p1 p2 tau1 tau2", real=True)
-    a1, a2, a3 = sp.symbols("a1 a2 a3", positive=True)
-    inertia = sp.Matrix([[a1 + 2 * a2 * cos(q2), a3 + a2 * cos(q2)], [a3 + a2 * cos(q2), a3]])
-    coriolis = a2 * sin(q2) * sp.Matrix([-(2 * p1 * p2 + p2**2), p1**2])
-    inverse = inertia.inv()
-    return AffineSystem(
-        (q1, q2, p1, p2),
-        (t1, t2),
-        sp.Matrix([p1, p2]).col_join(-inverse * coriolis),
-        sp.zeros(2, 2).col_join(inverse),
-        (q1, q2),
-        (a1, a2, a3),
-    )
-
-
-def unicycle() -> AffineSystem:
-    x, y, heading, speed, turn = sp.symbols("x y theta v omega", real=True)
-    return AffineSystem(
-        (x, y, heading), (speed, turn), [0, 0, 0], [[cos(heading), 0], [sin(heading), 0], [0, 1]], (x, y)
-    )
-
-
-def vtol() -> AffineSystem:
-    """Planar vertical take-off aircraft without coupling: the thrust needs two integrators, one after the other."""
-    x, z, phi, vx, vz, q, thrust, moment = sp.symbols("x z phi vx vz q T tau", real=True)
-    mass, inertia = sp.symbols("m J", positive=True)
-    gains = [[0, 0], [0, 0], [0, 0], [-sin(phi) / mass, 0], [cos(phi) / mass, 0], [0, 1 / inertia]]
-    drift = [vx, vz, q, 0, -9.81, 0]
-    return AffineSystem((x, z, phi, vx, vz, q), (thrust, moment), drift, gains, (x, z), (mass, inertia))
-
-
 def chain(length: int) -> AffineSystem:
     """A SISO chain with a nonlinear last link: x_i' = x_{i+1}, x_n' = x_1^2 + exp(x_2) u."""
     states = sp.symbols(f"x1:{length + 1}", real=True)

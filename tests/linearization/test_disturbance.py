@@ -4,11 +4,12 @@ from collections.abc import Iterable
 
 import pytest
 import sympy as sp
-from gallery_plants import linearized, unicycle
+from gallery_plants import linearized
 from linearization_plants import D1, D2, ETA1, ETA2, RHO1, RHO2, THETA, U1, U2, W1, robot
 
 from brunovsky.errors import LinearizationError, ModelError
 from brunovsky.linearization import AffineSystem, DisturbanceMap, disturbance_map, linearize
+from brunovsky.linearization.gallery import unicycle
 
 HEADING = sp.Matrix([-sp.sin(THETA), sp.cos(THETA)])
 ACROSS = sp.Matrix([-sp.cos(THETA), -sp.sin(THETA)])

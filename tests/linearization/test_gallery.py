@@ -7,13 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy as sp
-from gallery_plants import GALLERY, GRAVITY, ball_and_beam, linearized, trailer
+from gallery_plants import GALLERY, linearized
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from linearization_plants import ETA1, U1, nominal_robot, vtol
+from linearization_plants import ETA1, U1, nominal_robot
 
 from brunovsky.errors import LinearizationError
-from brunovsky.linearization import AffineSystem, linearize
+from brunovsky.linearization import AffineSystem, gallery, linearize
+from brunovsky.linearization.gallery import ball_and_beam, trailer, vtol
 
 ANSWERS = {
     # relative degree, integrators, full, factors of the singular locus
@@ -35,6 +36,12 @@ ANSWERS = {
     "three_mixed_inputs": ((2, 2, 2), {"mu1": 1, "mu2": 1}, False, "mu1"),
     "mixed_inputs": ((2, 2), {"mu1": 1}, False, "mu1"),
 }
+
+
+def test_every_plant_has_an_answer_and_a_source() -> None:
+    assert set(GALLERY) == set(ANSWERS)
+    for name in gallery.__all__:
+        assert "References\n" in getattr(gallery, name).__doc__
 
 
 @pytest.mark.parametrize("name", ANSWERS)
@@ -193,5 +200,7 @@ def test_answers_do_not_depend_on_coordinates(name: str) -> None:
 
 
 def test_gravity_is_exact() -> None:
-    assert sp.Rational(981, 100) == GRAVITY
+    for plant in (vtol, ball_and_beam, gallery.quadrotor):
+        assert not plant().dynamics.has(sp.Float)
+    assert vtol().drift[4] == -sp.Rational(981, 100)
     assert linearize(nominal_robot(), operating_point={ETA1: 0.5, U1: 0}).determinant == -ETA1

@@ -10,17 +10,15 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from linearization_plants import (
     chain,
-    manipulator,
     nominal_robot,
     pendulum,
     robot,
     three_inputs,
-    unicycle,
-    vtol,
 )
 
 from brunovsky.errors import LinearizationError, ModelError, ParameterError
 from brunovsky.linearization import AffineSystem, Linearization, add_integrators, linearize, vector_relative_degree
+from brunovsky.linearization.gallery import manipulator, unicycle, vtol
 
 A, B, C, U1, U2 = sp.symbols("a b c u1 u2", real=True)
 

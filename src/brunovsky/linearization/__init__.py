@@ -4,6 +4,7 @@ Nearly everything here is symbolic; nothing knows of simulation. The theory is t
 Systems*, 3rd ed., 1995, doi:10.1007/978-1-84628-615-5.
 """
 
+from brunovsky.linearization import gallery
 from brunovsky.linearization.affine import AffineSystem
 from brunovsky.linearization.disturbance import DisturbanceMap, disturbance_map
 from brunovsky.linearization.extension import Extension, ExtensionStep, add_integrators
@@ -44,6 +45,7 @@ __all__ = [
     "distance_to_singularity",
     "disturbance_map",
     "forecast",
+    "gallery",
     "generic_rank",
     "is_involutive",
     "lie_bracket",

@@ -1,0 +1,6 @@
+"""Gravity."""
+
+import sympy as sp
+
+GRAVITY = sp.Rational(981, 100)
+"""Gravity (m/s2), exact."""
