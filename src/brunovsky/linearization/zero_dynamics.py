@@ -44,7 +44,7 @@ class ZeroDynamics:
     References
     ----------
     C. I. Byrnes and A. Isidori, "Asymptotic stabilization of minimum phase nonlinear systems", *IEEE Trans. Autom.
-    Control* 36 (1991) 1122-1137, doi:10.1109/9.90226; A. Isidori, *Nonlinear Control Systems*, 3rd ed., 1995,
+    Control* 36 (1991) 1122-1137; A. Isidori, *Nonlinear Control Systems*, 3rd ed., 1995,
     sections 4.3 and 6.1, doi:10.1007/978-1-84628-615-5.
     """
 

@@ -38,7 +38,7 @@ def induction_motor() -> AffineSystem:
     References
     ----------
     R. Marino, S. Peresada, P. Valigi, "Adaptive input-output linearizing control of induction motors", IEEE Trans.
-    Autom. Control 38(2), 208-221, 1993, doi:10.1109/9.250510.
+    Autom. Control 38(2), 208-221, 1993.
     """
     omega, a, b, i_a, i_b, u_a, u_b = sp.symbols("omega psi_a psi_b i_a i_b u_a u_b", real=True)
     mu, alpha, mutual, beta, gamma, sigma, pairs = sp.symbols("mu alpha M beta gamma sigma n_p", positive=True)

@@ -14,7 +14,7 @@ def unicycle() -> AffineSystem:
     References
     ----------
     B. d'Andréa-Novel, G. Campion, G. Bastin, "Control of nonholonomic wheeled mobile robots by state feedback
-    linearization", Int. J. Robotics Research 14(6), 543-559, 1995, doi:10.1177/027836499501400602.
+    linearization", Int. J. Robotics Research 14(6), 543-559, 1995.
     """
     x, y, heading, speed, turn = sp.symbols("x y theta v omega", real=True)
     return AffineSystem(
