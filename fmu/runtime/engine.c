@@ -16,7 +16,7 @@
 #define MAX_EVENT_ITERATIONS 20
 #define MAX_SUBSTEPS 1e9
 #define STEP_ROUNDING 1e-9    /* a step is cut into ceil(h/step_size - STEP_ROUNDING) substeps */
-#define INSTANT_ROUNDING 1e-6 /* a sample is due this part of its period early, against rounding in the master's time */
+#define INSTANT_ROUNDING 1e-6 /* a sample is due this part of its period or step early, against rounding of time */
 
 #define VALUES(e) (e)->time, (e)->x, (e)->u, (e)->p, (e)->q, (e)->m, (e)->r
 
@@ -200,7 +200,8 @@ static void run_samples(Engine *engine)
         model->updates(VALUES(engine), updated);
         for (int i = 0; i < model->nq; i++) {
             const double instant = engine->start_time + (double)engine->due[i] * period[i];
-            if (model->q_rank[i] == rank && instant <= engine->time + INSTANT_ROUNDING * period[i]) {
+            const double early = INSTANT_ROUNDING * fmin(period[i], engine->step_size);
+            if (model->q_rank[i] == rank && instant <= engine->time + early) {
                 engine->q[i] = updated[i];
                 engine->due[i]++;
                 changed = 1;

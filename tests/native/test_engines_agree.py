@@ -287,3 +287,15 @@ def test_a_step_that_would_not_end_is_refused(engine: type, sampled_integrator: 
     with pytest.raises(SimulationError, match="step_size is too small: the step would take over a billion substeps"):
         instance.advance(1e12)
     assert instance.time == 0.0
+
+
+@pytest.mark.parametrize("engine", [NativeEngine, NumpyEngine])
+def test_a_long_period_does_not_make_a_sample_early(engine: type, sampled_integrator: Block) -> None:
+    """Rounding of time is forgiven by the step, not by the period: an hour does not fall 2 ms early."""
+    instance = engine(sampled_integrator, 1000.0)
+    instance.set_parameters({"T": 3600.0})
+    instance.initialize()
+    instance.inputs[0] = 1.0
+    for length, total in ((3599.998, 0.0), (1e-4, 0.0), (2.0, 3600.0)):
+        instance.advance(length)
+        assert instance.samples[0] == total

@@ -24,7 +24,7 @@ from brunovsky.errors import ParameterError, SimulationError
 MAX_EVENT_ITERATIONS = 20
 MAX_SUBSTEPS = 1e9
 STEP_ROUNDING = 1e-9  # a step is cut into ceil(h/step_size - STEP_ROUNDING) substeps
-INSTANT_ROUNDING = 1e-6  # a sample is due this part of its period early, against rounding in the master's time
+INSTANT_ROUNDING = 1e-6  # a sample is due this part of its period or step early, against rounding of time
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -151,7 +151,7 @@ class NumpyEngine:
     def _run_samples(self) -> None:
         periods = np.array(self._periods())
         instants = self.start_time + self._due * periods
-        due = instants <= self.time + INSTANT_ROUNDING * periods
+        due = instants <= self.time + INSTANT_ROUNDING * np.minimum(periods, self.step_size)
         self.update_relations()
         for rank in sorted({one.rank for one in self.block.samples}):
             chosen = due & np.array([one.rank == rank for one in self.block.samples])
