@@ -4,6 +4,7 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.engine import NumpyEngine
 from brunovsky.blocks.library import (
+    Chains,
     circle,
     closed_loop,
     errors,
@@ -12,6 +13,7 @@ from brunovsky.blocks.library import (
     robot,
     robot_linearization,
     robot_system,
+    set_point,
     sliding_mode,
 )
 from brunovsky.blocks.linearized import inner_loop, linearized_block, plant_block
@@ -34,6 +36,7 @@ from brunovsky.blocks.variables import (
 __all__ = [
     "TIME",
     "Block",
+    "Chains",
     "Check",
     "Diagram",
     "Input",
@@ -57,6 +60,7 @@ __all__ = [
     "robot",
     "robot_linearization",
     "robot_system",
+    "set_point",
     "sliding_mode",
     "symbol",
     "symbols",
