@@ -162,7 +162,7 @@ def linearize(
     Parameters
     ----------
     system : AffineSystem
-        The plant, with as many outputs as inputs. Its disturbances are taken as zero; uncertain parameters should be
+        The plant. Its disturbances are taken as zero; uncertain parameters should be
         set to their nominal values first (`AffineSystem.with_parameters`).
     operating_point : mapping of sympy.Symbol or str to number, optional
         Values of states of the extended system and of parameters, in their units. If given, the law must exist
@@ -178,7 +178,7 @@ def linearize(
     Raises
     ------
     LinearizationError
-        If the plant is not square, an output has no finite relative degree, the decoupling matrix stays singular, or
+        If an output has no finite relative degree, the decoupling matrix stays singular, or
         it is singular at the operating point. The message says why and after which step.
     ParameterError
         If the operating point names something else than a state or parameter, or a value is not finite.
@@ -228,12 +228,6 @@ def _check_arguments(system: AffineSystem, max_extensions: int) -> None:
         raise ModelError(f"{system!r} is not an AffineSystem; make one of states, inputs, drift, input_matrix, outputs")
     if max_extensions < 0:
         raise ModelError(f"max_extensions is {max_extensions}; give 0, 1, 2, …")
-    inputs, outputs = len(system.inputs), len(system.outputs)
-    if inputs != outputs:
-        raise LinearizationError(
-            f"before any derivative: {outputs} output(s) for {inputs} input(s); the law inverts a square matrix, "
-            "so choose as many outputs as inputs"
-        )
 
 
 def _check_operating_point(linearization: Linearization, operating_point: Mapping[sp.Symbol | str, Any]) -> None:
