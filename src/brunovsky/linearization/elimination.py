@@ -12,7 +12,7 @@ from brunovsky.linearization.simplify import factored, tidy
 
 @dataclass(frozen=True)
 class Elimination:
-    """Unknowns solved for, in the other unknowns; the expressions without any that must vanish; the divisors' factors."""
+    """Unknowns solved for, in the others; the expressions without any that must vanish; factors of the divisors."""
 
     values: Mapping[sp.Symbol, sp.Expr]
     left: tuple[sp.Expr, ...]
