@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ from brunovsky.linearization.zero_dynamics import ZeroDynamics
 
 if TYPE_CHECKING:
     from brunovsky.linearization.linearize import Linearization
+    from brunovsky.linearization.regular_start import RegularStart
 
 
 @dataclass(frozen=True)
@@ -52,10 +53,10 @@ class Equation:
 Line = Heading | Sentence | Equation
 
 
-def as_text(linearization: Linearization) -> str:
-    """Render the derivation as plain ASCII text."""
+def as_text(lines: Iterable[Line]) -> str:
+    """Render lines as plain ASCII text."""
     blocks = []
-    for line in derivation(linearization):
+    for line in lines:
         if isinstance(line, Heading):
             blocks.append(f"\n{line.title}\n{'-' * len(line.title)}")
         elif isinstance(line, Sentence):
@@ -66,19 +67,19 @@ def as_text(linearization: Linearization) -> str:
     return "\n".join(blocks).lstrip("\n") + "\n"
 
 
-def as_latex(linearization: Linearization) -> str:
-    r"""Render the derivation as a LaTeX fragment: ``\paragraph`` titles, prose and ``\[ … \]`` displays."""
-    return _with_mathematics(linearization, "\\paragraph{{{}}}", "\\[ {} \\]")
+def as_latex(lines: Iterable[Line]) -> str:
+    r"""Render lines as a LaTeX fragment: ``\paragraph`` titles, prose and ``\[ … \]`` displays."""
+    return _with_mathematics(lines, "\\paragraph{{{}}}", "\\[ {} \\]")
 
 
-def as_markdown(linearization: Linearization) -> str:
-    """Render the derivation as Markdown with dollar mathematics, for notebooks."""
-    return _with_mathematics(linearization, "### {}", "$$ {} $$")
+def as_markdown(lines: Iterable[Line]) -> str:
+    """Render lines as Markdown with dollar mathematics, for notebooks."""
+    return _with_mathematics(lines, "### {}", "$$ {} $$")
 
 
-def _with_mathematics(linearization: Linearization, heading: str, display: str) -> str:
+def _with_mathematics(lines: Iterable[Line], heading: str, display: str) -> str:
     blocks = []
-    for line in derivation(linearization):
+    for line in lines:
         if isinstance(line, Heading):
             blocks.append(heading.format(line.title))
         elif isinstance(line, Sentence):
@@ -186,6 +187,41 @@ def _law(linearization: Linearization) -> Iterator[Line]:
     total, count = sum(linearization.relative_degree), len(linearization.extended_system.states)
     kind = "the linearisation is full" if linearization.is_full else "there are internal dynamics"
     yield Sentence(f"The total relative degree is {{}}, the number of states {{}}: {kind}.", (total, count))
+
+
+def passage(start: RegularStart) -> Iterator[Line]:
+    """Yield what a passage of a singular point needs."""
+    yield Heading(f"Regular start at {listed(start.point)}")
+    highest = Formula("y^(r) = F + G u", "y^{(r)} = F + G u")
+    yield Sentence("Derivatives of {} along the trajectory that were needed: {}.", (highest, len(start.derivatives)))
+    yield Sentence("The reference begins with")
+    yield from _definitions(start.chains)
+    if start.conditions:
+        yield Sentence("It satisfies")
+        yield from (Equation(_formula(one.lhs), _formula(one.rhs)) for one in start.conditions)
+    if start.states:
+        yield Sentence("It determines the states")
+        yield from _definitions(start.states)
+    yield Sentence("The inputs are" if start.inputs else "The inputs are solutions of")
+    yield from _definitions(start.inputs)
+    if start.inputs and start.equations:
+        yield Sentence("and the others solutions of")
+    yield from (Equation(_formula(one.lhs), _formula(one.rhs)) for one in start.equations)
+    if start.nonzero:
+        yield Sentence("None of these may vanish: {}.", (start.nonzero,))
+
+
+def listed(point: Mapping[sp.Symbol, sp.Expr]) -> str:
+    """Values of a point as text."""
+    return ", ".join(f"{symbol} = {value}" for symbol, value in point.items())
+
+
+def _definitions(values: Mapping[sp.Symbol, sp.Expr]) -> Iterator[Line]:
+    return (Equation(_name(symbol), value) for symbol, value in values.items())
+
+
+def _formula(expression: sp.Expr) -> Formula:
+    return Formula(str(expression), sp.latex(expression))
 
 
 def _name(symbol: sp.Symbol) -> Formula:

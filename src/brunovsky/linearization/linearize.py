@@ -141,14 +141,14 @@ class Linearization:
 
     def explain(self) -> str:
         """Return the derivation step by step, as on the board, as plain text."""
-        return _explain.as_text(self)
+        return _explain.as_text(_explain.derivation(self))
 
     def latex(self) -> str:
         """Return the same derivation as a LaTeX fragment (paragraphs and displayed equations; needs amsmath)."""
-        return _explain.as_latex(self)
+        return _explain.as_latex(_explain.derivation(self))
 
     def _repr_markdown_(self) -> str:
-        return _explain.as_markdown(self)
+        return _explain.as_markdown(_explain.derivation(self))
 
 
 def linearize(
