@@ -1,6 +1,6 @@
 """The linearising law: u = G^-1 (v - F), after dynamic extension where it is needed."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,8 +9,9 @@ import sympy as sp
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.errors import LinearizationError, ModelError
-from brunovsky.linearization import explain as _explain
 from brunovsky.linearization.affine import AffineSystem
+from brunovsky.linearization.board import Explained, Line
+from brunovsky.linearization.explain import derivation
 from brunovsky.linearization.extension import Extension, extend
 from brunovsky.linearization.naming import outer_inputs
 from brunovsky.linearization.normal_form import NormalForm, find_normal_form
@@ -23,7 +24,7 @@ from brunovsky.linearization.zero_dynamics import ZeroDynamics, find_zero_dynami
 
 
 @dataclass(frozen=True, repr=False)
-class Linearization:
+class Linearization(Explained):
     """A plant, its dynamic extension and the law that turns it into chains of integrators y_i^(r_i) = v_i.
 
     With y^(r) = F(x) + G(x) u of the extended system, the law is u = G(x)^-1 (v - F(x)).
@@ -139,16 +140,9 @@ class Linearization:
         full = "full" if self.is_full else "not full"
         return f"<Linearization: relative degree {self.relative_degree}, det G = {self.determinant}, {full}>"
 
-    def explain(self) -> str:
-        """Return the derivation step by step, as on the board, as plain text."""
-        return _explain.as_text(_explain.derivation(self))
-
-    def latex(self) -> str:
-        """Return the same derivation as a LaTeX fragment (paragraphs and displayed equations; needs amsmath)."""
-        return _explain.as_latex(_explain.derivation(self))
-
-    def _repr_markdown_(self) -> str:
-        return _explain.as_markdown(_explain.derivation(self))
+    def lines(self) -> Iterable[Line]:
+        """Yield the lines that `explain`, `latex` and notebooks show."""
+        return derivation(self)
 
 
 def linearize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ import sympy as sp
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.errors import LinearizationError
-from brunovsky.linearization import explain as _explain
+from brunovsky.linearization.board import Equation, Explained, Formula, Heading, Line, Sentence, definitions, formula
 from brunovsky.linearization.elimination import left_null
 from brunovsky.linearization.numeric import point_of
 from brunovsky.linearization.passage import Passage, derivatives_at
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class RegularStart:
+class RegularStart(Explained):
     """Conditions under which outputs pass a singular point of the law smoothly, and the inputs with which they do.
 
     All hold at the one instant of the point, and are necessary. The symbols of the reference are the chain coordinates
@@ -67,16 +67,27 @@ class RegularStart:
         """The first derivatives of v."""
         return self.derivatives[0]
 
-    def explain(self) -> str:
-        """Return what the passage needs as plain text."""
-        return _explain.as_text(_explain.passage(self))
-
-    def latex(self) -> str:
-        """Return the same as a LaTeX fragment (paragraphs and displayed equations; needs amsmath)."""
-        return _explain.as_latex(_explain.passage(self))
-
-    def _repr_markdown_(self) -> str:
-        return _explain.as_markdown(_explain.passage(self))
+    def lines(self) -> Iterator[Line]:
+        """Yield the lines that `explain`, `latex` and notebooks show."""
+        """Yield what a passage of a singular point needs."""
+        yield Heading(f"Regular start at {_listed(self.point)}")
+        highest = Formula("y^(r) = F + G u", "y^{(r)} = F + G u")
+        yield Sentence("Derivatives of {} along the trajectory that were needed: {}.", (highest, len(self.derivatives)))
+        yield Sentence("The reference begins with")
+        yield from definitions(self.chains)
+        if self.conditions:
+            yield Sentence("It satisfies")
+            yield from (Equation(formula(one.lhs), formula(one.rhs)) for one in self.conditions)
+        if self.states:
+            yield Sentence("It determines the states")
+            yield from definitions(self.states)
+        yield Sentence("The inputs are" if self.inputs else "The inputs are solutions of")
+        yield from definitions(self.inputs)
+        if self.inputs and self.equations:
+            yield Sentence("and the others solutions of")
+        yield from (Equation(formula(one.lhs), formula(one.rhs)) for one in self.equations)
+        if self.nonzero:
+            yield Sentence("None of these may vanish: {}.", (self.nonzero,))
 
 
 def regular_start(linearization: Linearization, point: Mapping[sp.Symbol | str, Any]) -> RegularStart:
@@ -139,7 +150,7 @@ def regular_start(linearization: Linearization, point: Mapping[sp.Symbol | str, 
     else:
         unknown = ", ".join(str(symbol) for symbol in inputs[0] if symbol not in passage.known)
         raise LinearizationError(
-            f"at {_explain.listed(fixed)} the derivatives of y^(r) up to order {len(extended.states)} do not determine "
+            f"at {_listed(fixed)} the derivatives of y^(r) up to order {len(extended.states)} do not determine "
             f"{unknown}: nothing is known of a smooth passage; leave more states free"
         )
     return RegularStart(
@@ -156,7 +167,7 @@ def regular_start(linearization: Linearization, point: Mapping[sp.Symbol | str, 
 
 def _check(linearization: Linearization, fixed: Mapping[sp.Symbol, sp.Expr]) -> None:
     drift, gains = linearization.drift_term.subs(fixed), linearization.decoupling_matrix.subs(fixed)
-    place = f"at {_explain.listed(fixed)}"
+    place = f"at {_listed(fixed)}"
     field = linearization.extended_system.dynamics.subs(fixed)
     if any(part.has(sp.nan, sp.zoo, sp.oo, -sp.oo) for part in (drift, gains, field)):
         raise LinearizationError(f"{place} the extended system is not finite, so no trajectory passes it smoothly")
@@ -183,3 +194,8 @@ def _compensator(
     solution = normal.adjugate() * slopes.T * right / normal.det(method="berkowitz")
     conditions += [sp.Eq(condition, 0) for condition in (left_null(slopes) * right).applyfunc(tidy)]
     return {symbol: tidy(value) for symbol, value in zip(own, solution, strict=True)}, conditions
+
+
+def _listed(point: Mapping[sp.Symbol, sp.Expr]) -> str:
+    """Values of a point as text."""
+    return ", ".join(f"{symbol} = {value}" for symbol, value in point.items())
