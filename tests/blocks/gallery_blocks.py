@@ -13,7 +13,7 @@ from brunovsky.blocks import Diagram, Parameter
 sys.path.append(str(Path(__file__).parents[1] / "linearization"))
 from gallery_plants import GALLERY, linearized
 
-__all__ = ["GALLERY", "expected_chains", "gallery_block", "random_start"]
+__all__ = ["GALLERY", "expected_chains", "gallery_block", "random_start", "regular_part"]
 
 
 def random_start(name: str, seed: int) -> tuple[dict[str, float], dict[str, float]]:
@@ -36,6 +36,13 @@ def gallery_block(name: str) -> tuple[Diagram, dict[str, float]]:
     starts = {one: values[one.name] for one in linearization.extended_system.states}
     parameters = [Parameter(one.name, value=values[one.name]) for one in linearization.system.parameters]
     return br.linearized_block(linearization, name, starts=starts, parameters=parameters), inputs
+
+
+def regular_part(name: str, run: xr.Dataset) -> xr.Dataset:
+    """A run until v drives the plant so close to its singular locus that a command exceeds 100."""
+    commands = [np.abs(run[one.name].values) for one in linearized(name).system.inputs]
+    large = np.flatnonzero(np.max(commands, axis=0) > 100)
+    return run.isel(time=slice(0, large[0])) if len(large) else run
 
 
 def expected_chains(name: str, run: xr.Dataset, inputs: dict[str, float]) -> dict[str, np.ndarray]:
