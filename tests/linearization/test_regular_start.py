@@ -9,6 +9,7 @@ from gallery_plants import linearized
 
 from brunovsky.errors import LinearizationError
 from brunovsky.linearization import AffineSystem, Linearization, RegularStart, linearize
+from brunovsky.linearization.board import latex
 
 T = sp.Symbol("t", real=True)
 MOVING_OFF = 2 * T + T**2 / 2 - T**3 / 7
@@ -160,7 +161,7 @@ def test_a_passage_is_explained_three_ways() -> None:
     assert all(f"  {one} = {value}\n" in text for one, value in start.states.items())
     assert "None of these may vanish: w." in text
     for rendered in (start.latex(), start._repr_markdown_()):
-        assert all(f"{sp.latex(one)} = {sp.latex(value)}" in rendered for one, value in start.inputs.items())
+        assert all(f"{latex(one)} = {latex(value)}" in rendered for one, value in start.inputs.items())
         assert all(sp.latex(one) in rendered for one in start.conditions)
     level = linearized("ball_and_beam").regular_start({"omega": 0})
     assert "The inputs are solutions of" in level.explain() and str(level.equations[0].lhs) in level.explain()
