@@ -101,7 +101,7 @@ def test_the_number_of_rounds_is_limited_and_said_to_be_enough() -> None:
 def test_ball_and_beam_has_no_relative_degree_at_rest() -> None:
     place = {"r": 0, "v": 0, "alpha": 0, "omega": 0}
     with pytest.raises(
-        LinearizationError, match=r"rank is 0 instead of 1.*\(3,\) is not well defined.*Eq\(omega\*r, 0\)"
+        LinearizationError, match=r"rank is 0 instead of 1.*\(3,\) is not well defined.*off omega\*r = 0"
     ):
         linearize(ball_and_beam(), operating_point=place)
     assert linearize(ball_and_beam(), operating_point={"r": 1, "omega": 1}).relative_degree == (3,)

@@ -232,7 +232,7 @@ def _check_operating_point(linearization: Linearization, operating_point: Mappin
         if vanishes(determinant.subs(point)):
             raise LinearizationError(
                 f"{place}: the transformation of the inputs is singular there, its determinant {determinant} vanishes; "
-                f"move the operating point off {linearization.singular_locus}"
+                f"move the operating point off {linearization.singular_locus.lhs} = 0"
             )
     gains = linearization.decoupling_matrix
     for expression in (linearization.determinant, *linearization.drift_term, *gains):
@@ -245,5 +245,5 @@ def _check_operating_point(linearization: Linearization, operating_point: Mappin
             f"{place}: the decoupling matrix is singular there, its determinant {linearization.determinant} vanishes "
             f"and its rank is {rank} instead of {gains.rows} as almost everywhere. So the relative degree "
             f"{linearization.relative_degree} is not well defined at that point and the law does not exist; "
-            f"move the operating point off {linearization.singular_locus}"
+            f"move the operating point off {linearization.singular_locus.lhs} = 0"
         )

@@ -172,9 +172,9 @@ def _check(linearization: Linearization, fixed: Mapping[sp.Symbol, sp.Expr]) -> 
     if any(part.has(sp.nan, sp.zoo, sp.oo, -sp.oo) for part in (drift, gains, field)):
         raise LinearizationError(f"{place} the extended system is not finite, so no trajectory passes it smoothly")
     if generic_rank(gains) == gains.rows:
-        raise LinearizationError(
-            f"{place} the law is regular; a regular start is a question where {linearization.singular_locus}"
-        )
+        locus = linearization.singular_locus
+        where = "nowhere, it has no singularity" if locus == sp.false else f"where {locus.lhs} = 0"
+        raise LinearizationError(f"{place} the law is regular; a regular start is a question {where}")
 
 
 def _compensator(
