@@ -173,8 +173,8 @@ def _check(linearization: Linearization, fixed: Mapping[sp.Symbol, sp.Expr]) -> 
         raise LinearizationError(f"{place} the extended system is not finite, so no trajectory passes it smoothly")
     if generic_rank(gains) == gains.rows:
         locus = linearization.singular_locus
-        where = "nowhere, it has no singularity" if locus == sp.false else f"where {locus.lhs} = 0"
-        raise LinearizationError(f"{place} the law is regular; a regular start is a question {where}")
+        remedy = "it has no singularity" if locus == sp.false else f"a regular start is a question where {locus.lhs} = 0"
+        raise LinearizationError(f"{place} the law is regular; {remedy}")
 
 
 def _compensator(
