@@ -173,7 +173,7 @@ def _check(linearization: Linearization, fixed: Mapping[sp.Symbol, sp.Expr]) -> 
         raise LinearizationError(f"{place} the extended system is not finite, so no trajectory passes it smoothly")
     if generic_rank(gains) == gains.rows:
         locus = linearization.singular_locus
-        remedy = "it has no singularity" if locus == sp.false else f"a regular start is a question where {locus.lhs} = 0"
+        remedy = "it has no singularity" if locus == sp.false else f"start where {locus.lhs} = 0"
         raise LinearizationError(f"{place} the law is regular; {remedy}")
 
 
