@@ -96,8 +96,8 @@ def actuator_loop_transfer(gain: ArrayLike, motion: SteadyMotion, actuator: int)
     cut, other = actuator - 1, 2 - actuator
     s = sp.Symbol("s")
     working = A + B[:, other] * C[other, :]
-    opened = working.charpoly(s).as_expr()
-    closed = (working + B[:, cut] * C[cut, :]).charpoly(s).as_expr()  # 1 + L = closed/opened
+    opened = working.charpoly(s).as_expr(s)
+    closed = (working + B[:, cut] * C[cut, :]).charpoly(s).as_expr(s)  # 1 + L = closed/opened
     top, bottom = (sp.Poly(one, s) for one in sp.fraction(sp.cancel((closed - opened) / opened)))
     leading = bottom.LC()
     numbers = [[float(one / leading) for one in part.all_coeffs()] for part in (top, bottom)]

@@ -7,6 +7,7 @@ import sympy as sp
 
 from brunovsky.blocks import robot_linearization
 from brunovsky.blocks.library.outer_loop import ORDER
+from brunovsky.linearization.simplify import tidy
 
 
 @dataclass(frozen=True)
@@ -86,5 +87,5 @@ def opened_loop(heading: sp.Expr = sp.S.Zero) -> OpenedLoop:
         frame * field.jacobian(actuators).subs(along),
         total(command) * frame.T,
     )
-    A, B, C = (sp.ImmutableDenseMatrix(part.applyfunc(sp.simplify)) for part in parts)
+    A, B, C = (sp.ImmutableDenseMatrix(part.applyfunc(tidy)) for part in parts)
     return OpenedLoop(A, B, C, speed, yaw_rate, gains)
