@@ -323,6 +323,7 @@ def moving(x, y):
         (lambda: analysis.steady_motion(br.blocks.circle(), {"radius": 0.0}), "stands still"),
         (lambda: analysis.steady_motion(moving(TIME**2, TIME)), "speed that changes.*no transfer function"),
         (lambda: analysis.steady_motion(moving(sp.sin(TIME), sp.sin(2 * TIME))), "changes with time"),
+        (lambda: analysis.steady_motion(moving(sp.Piecewise((TIME, TIME > 3), (0, True)), TIME)), "besides time"),
         (lambda: analysis.steady_motion(br.blocks.robot()), "functions of time alone"),
         (lambda: analysis.steady_motion("circle"), "functions of time alone"),
         (lambda: analysis.actuator_loop(PAPER, (0.5, 0.0)), "SteadyMotion"),

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+import brunovsky as br
 from brunovsky import analysis
 from brunovsky.errors import ParameterError
 
@@ -107,6 +108,18 @@ def test_reaching_time_against_an_integration_with_a_matched_disturbance():
 
     assert analysis.reaching_time(3.0, Q, P) == pytest.approx(reach(P), rel=1e-8)
     assert analysis.reaching_time(3.0, Q, P - 1.0) == pytest.approx(reach(P - 1.0), rel=1e-8)
+
+
+def test_reaching_time_of_the_robot_in_native_simulation():
+    """Both axes from outside the circle, sign function: S is within the relay's step from the predicted instant on."""
+    step = 1e-4
+    run = br.simulate(br.blocks.closed_loop(), 1.5, step_size=step, parameters={"phi": 0.0}, record=["S[1]", "S[2]"])
+    for name in ("S[1]", "S[2]"):
+        S = run[name].values
+        reached = run["time"].values[np.argmax(np.abs(S) < 2 * P * step)]
+        assert reached == pytest.approx(analysis.reaching_time(S[0], Q, P), abs=5 * step)
+        after = run["time"].values > reached + 5 * step
+        assert np.max(np.abs(S[after])) < 4 * P * step
 
 
 def test_limits_of_the_reaching_time():

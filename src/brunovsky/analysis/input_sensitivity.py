@@ -130,19 +130,7 @@ def input_sensitivity(linearization: Linearization, point: Mapping[sp.Symbol | s
     ----------
     The paper's eq. (16), corrected; see `input_gain`.
     """
-    gain = input_gain(linearization)
-    where = point_of(linearization.extended_system, point)
-    try:
-        matrix = evaluate(sp.Matrix(gain), where)
-    except ZeroDivisionError:
-        matrix = np.full(gain.shape, np.inf)
-    if not np.all(np.isfinite(matrix)):
-        shown = ", ".join(f"{name} = {value}" for name, value in point.items())
-        raise ParameterError(
-            f"input_sensitivity: at {shown} the law is singular ({linearization.singular_locus}), so du/dv is not "
-            "finite; move the point off that"
-        )
-    return _measured(linearization, matrix)
+    return _at(linearization, input_gain(linearization), point)
 
 
 def input_sensitivity_plot(
@@ -183,7 +171,8 @@ def input_sensitivity_plot(
     if along[0] <= 0.0 or np.any(np.diff(along) <= 0.0):
         raise ParameterError(f"{where}: the values of {state} must be positive and ascending, for a logarithmic axis")
     others = {name: value for name, value in point.items() if str(name) != str(state)}
-    found = [input_sensitivity(linearization, {**others, state: float(one)}) for one in along]
+    gain = input_gain(linearization)
+    found = [_at(linearization, gain, {**others, state: float(one)}) for one in along]
     grid = new_axes(ax)
     axes = grid[0, 0]
     names = zip(found[0].inputs, np.array([one.norms for one in found]).T, strict=True)
@@ -196,7 +185,20 @@ def input_sensitivity_plot(
     return control_plot(grid, [lines])
 
 
-def _measured(linearization: Linearization, matrix: NDArray[np.float64]) -> InputSensitivity:
+def _at(
+    linearization: Linearization, gain: sp.ImmutableDenseMatrix, point: Mapping[sp.Symbol | str, Any]
+) -> InputSensitivity:
+    where = point_of(linearization.extended_system, point)
+    try:
+        matrix = evaluate(sp.Matrix(gain), where)
+    except ZeroDivisionError:
+        matrix = np.full(gain.shape, np.inf)
+    if not np.all(np.isfinite(matrix)):
+        shown = ", ".join(f"{name} = {value}" for name, value in point.items())
+        raise ParameterError(
+            f"input_sensitivity: at {shown} the law is singular ({linearization.singular_locus}), so du/dv is not "
+            "finite; move the point off that"
+        )
     singular_values = np.linalg.svd(matrix, compute_uv=False)
     return InputSensitivity(
         tuple(str(one) for one in linearization.law),

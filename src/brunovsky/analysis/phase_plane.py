@@ -6,7 +6,7 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike
 
-from brunovsky.analysis._checks import finite_scalar, surface_coefficients
+from brunovsky.analysis._checks import finite_scalar, finite_vector, surface_coefficients
 from brunovsky.analysis._drawing import COLORS
 from brunovsky.errors import ParameterError
 
@@ -187,8 +187,8 @@ def reaching_phase_plane(
 
 
 def _portrait(system: control.NonlinearIOSystem, limits: ArrayLike, where: str, options: dict[str, Any]) -> Any:
-    box = np.asarray(limits, dtype=float)
-    if box.shape != (4,) or not np.all(np.isfinite(box)) or box[0] >= box[1] or box[2] >= box[3]:
+    box = finite_vector(limits, "limits", where)
+    if box.size != 4 or box[0] >= box[1] or box[2] >= box[3]:
         raise ParameterError(
             f"{where}: limits = {limits!r}; pass [smallest x, largest x, smallest y, largest y], ascending"
         )
