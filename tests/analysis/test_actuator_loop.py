@@ -7,6 +7,8 @@ import control
 import numpy as np
 import pytest
 import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import brunovsky as br
 from brunovsky import analysis
@@ -120,6 +122,52 @@ def test_unequal_gains_on_a_straight_line_depend_on_the_heading():
         np.sort_complex(np.concatenate([analysis.closed_loop_poles(one) for one in (PAPER, slow)])),
         rtol=1e-6,
     )
+
+
+@settings(deadline=None, max_examples=20)
+@given(
+    st.floats(-10.0, -0.5),
+    st.floats(-10.0, -0.5),
+    st.floats(0.5, 30.0),
+    st.floats(-30.0, 30.0),
+    st.sampled_from([1, 2]),
+)
+def test_margins_on_any_circle_are_the_first_loss_of_stability(real, sigma, omega, yaw_rate, actuator):
+    gain = analysis.place([real, complex(sigma, omega), complex(sigma, -omega)])
+    loop = analysis.actuator_loop_transfer(gain, SteadyMotion(0.7, yaw_rate), actuator)
+    m = analysis.loop_margins(loop)
+    top, bottom = loop.num[0][0], loop.den[0][0]
+
+    def abscissa(factor=1.0, lag=0.0, lags=1):
+        behind = np.poly1d([lag, 1.0]) ** lags if lag else np.poly1d([1.0])
+        return np.max(np.roots(np.polyadd(factor * top, np.polymul(bottom, behind.coeffs))).real)
+
+    poles = [one + turn for one in analysis.closed_loop_poles(gain) for turn in (1j * yaw_rate, -1j * yaw_rate)]
+    found = np.roots(np.polyadd(top, bottom))  # those that do not cancel
+    assert all(np.min(np.abs(np.array(poles) - one)) < 1e-3 * (1 + abs(one)) for one in found)
+    highest = min(m.gain_upper, 100.0)
+    for part in (0.001, 0.1, 0.5, 0.9, 0.999):
+        assert abscissa(m.gain_lower + (1 - m.gain_lower) * part) < 1e-7
+        assert abscissa(1 + (highest - 1) * part) < 1e-7
+        assert abscissa(lag=min(m.lag, 10.0) * part) < 1e-7
+        assert abscissa(lag=min(m.two_lags, 10.0) * part, lags=2) < 1e-7
+    if m.gain_lower > 1e-3:
+        assert abscissa(m.gain_lower * 0.999) > -1e-7
+    if np.isfinite(m.gain_upper):
+        assert abscissa(m.gain_upper * 1.001) > -1e-7
+    if np.isfinite(m.lag):
+        assert abscissa(lag=m.lag * 1.001) > -1e-7
+    if np.isfinite(m.two_lags):
+        assert abscissa(lag=m.two_lags * 1.001, lags=2) > -1e-7
+
+
+def test_a_narrow_resonance_hides_no_lag_margin():
+    """Two poles of the opened loop 0.04 1/s from the axis, where the phase turns within a percent of the frequency."""
+    loop = analysis.actuator_loop_transfer(analysis.place([-0.6875, -10 + 1j, -10 - 1j]), SteadyMotion(0.7, 30.0), 1)
+    margin = analysis.loop_margins(loop).lag
+    for lag, stable in ((0.999 * margin, True), (1.001 * margin, False)):
+        poles = np.roots(np.polyadd(loop.num[0][0], np.polymul(loop.den[0][0], [lag, 1.0])))
+        assert (np.max(poles.real) < 0) == stable
 
 
 # ---- against the equations typed by hand

@@ -84,6 +84,15 @@ def test_a_peak_that_is_only_approached():
     assert analysis.disk_margin(analysis.loop_transfer([2.0]), 1.0).frequency == np.inf
 
 
+def test_a_narrow_peak_is_not_missed():
+    """Closed-loop poles at -1e-5 +- 1j beside fast ones: S has a peak a hundred-thousandth of its frequency wide."""
+    loop = analysis.loop_transfer(analysis.place([-1e-5 + 1j, -1e-5 - 1j, -50.0]))
+    m = analysis.disk_margin(loop)
+    closed = 1 / (1 + loop(1j * np.linspace(1 - 1e-4, 1 + 1e-4, 200001)))
+    assert 1 / m.radius == pytest.approx(np.max(np.abs(closed - 0.5)), rel=1e-6)
+    assert m.radius < 1e-3
+
+
 # ---- two loops
 
 

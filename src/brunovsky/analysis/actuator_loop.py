@@ -117,7 +117,7 @@ def return_difference(loop: control.StateSpace) -> control.StateSpace:
     -------
     control.StateSpace
         I + L. Its smallest singular value over frequency is the distance to singularity: an additive change of L below
-        it leaves the loop stable.
+        it leaves the loop stable. It depends on the units of the channels, which `disk_margin` doesn't.
 
     Raises
     ------

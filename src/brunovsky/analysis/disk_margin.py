@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from brunovsky.analysis._checks import finite_scalar, stable_loop
+from brunovsky.analysis._frequencies import frequencies
 from brunovsky.errors import ParameterError
 
-_GRID = 2000  # frequencies among which the peaks are looked for
-_DECADES = 3  # beyond the slowest and the fastest closed-loop pole
+_BEYOND = 1e3  # how far beyond the slowest and the fastest closed-loop pole to look
 
 
 @dataclass(frozen=True)
@@ -80,34 +80,37 @@ def disk_margin(loop: control.StateSpace, skew: float = 0.0) -> DiskMargin:
     if sigma > 1.0:
         raise ParameterError(f"disk_margin: skew = {sigma:g} is out of range; pass -1 <= skew <= 1, 0 for balanced")
 
-    def sizes(frequencies: NDArray[np.float64]) -> NDArray[np.float64]:
-        at = np.asarray(loop(1j * frequencies, squeeze=False)).transpose(2, 0, 1)
+    one = 1 if isinstance(loop, control.TransferFunction) else control.ss([], [], [], np.eye(loop.ninputs))
+    sensitivity = control.feedback(one, loop)  # has no pole on the imaginary axis, where L may have one
+
+    def sizes(at_frequencies: NDArray[np.float64]) -> NDArray[np.float64]:
+        at = np.asarray(sensitivity(1j * at_frequencies, squeeze=False)).transpose(2, 0, 1)
         return _structured_singular_values(at, sigma)
 
     speeds = np.abs(poles)
-    low, high = np.log10(np.min(speeds)) - _DECADES, np.log10(np.max(speeds)) + _DECADES
-    grid = np.linspace(low, high, _GRID)
+    roots = (*poles, *loop.poles(), *loop.zeros())
+    grid = np.log10(frequencies(roots, np.min(speeds) / _BEYOND, np.max(speeds) * _BEYOND))
     values = sizes(10.0**grid)
     best = int(np.argmax(values))
     near = minimize_scalar(
         lambda power: -sizes(np.array([10.0**power]))[0],
-        bounds=(grid[max(best - 1, 0)], grid[min(best + 1, _GRID - 1)]),
+        bounds=(grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]),
         method="bounded",
         options={"xatol": 1e-10},
     )
     peak, frequency = max((float(values[best]), 10.0 ** grid[best]), (float(-near.fun), 10.0 ** float(near.x)))
-    limit = float(_structured_singular_values(control.ss(loop).D[np.newaxis], sigma)[0])
-    if limit >= peak * (1.0 - 1e-9) or best == _GRID - 1:
+    limit = float(_structured_singular_values(control.ss(sensitivity).D[np.newaxis], sigma)[0])
+    if limit >= peak * (1.0 - 1e-9) or best == grid.size - 1:
         peak, frequency = max(limit, peak), float("inf")
     elif best == 0:
         frequency = 0.0
     return _disk(1.0 / peak, float(frequency), sigma)
 
 
-def _structured_singular_values(loop: NDArray[np.complex128], skew: float) -> NDArray[np.float64]:
-    """Structured singular value of S + (skew - 1)/2 for each value of a loop, shape (frequencies, size, size)."""
-    size = loop.shape[-1]
-    matrix = np.linalg.inv(np.eye(size) + loop) + 0.5 * (skew - 1.0) * np.eye(size)
+def _structured_singular_values(sensitivity: NDArray[np.complex128], skew: float) -> NDArray[np.float64]:
+    """Structured singular value of S + (skew - 1)/2 for each value of S, shape (frequencies, size, size)."""
+    size = sensitivity.shape[-1]
+    matrix = sensitivity + 0.5 * (skew - 1.0) * np.eye(size)
     if size == 1:
         return np.asarray(np.abs(matrix[:, 0, 0]))
     diagonal = np.abs(matrix[:, 0, 0]) ** 2 + np.abs(matrix[:, 1, 1]) ** 2

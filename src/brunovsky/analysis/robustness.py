@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from brunovsky.analysis._checks import finite_vector, stable_gain, stable_loop
+from brunovsky.analysis._frequencies import frequencies as frequencies_of
 from brunovsky.errors import ParameterError
-
-_GRID = 4000  # frequencies, over six decades, among which sign changes are looked for
 
 
 @dataclass(frozen=True)
@@ -208,7 +207,7 @@ def _lag_margin(loop: control.TransferFunction, lags: int) -> float:
     if not len(crossovers):
         return float("inf")
     last_crossover = np.max(crossovers)
-    frequencies = last_crossover * np.logspace(-6, 0, _GRID)
+    frequencies = frequencies_of((*loop.poles(), *loop.zeros()), 1e-6 * last_crossover, last_crossover)
     errors = phase_error(frequencies)
     candidates = []
     for i in np.flatnonzero(np.signbit(errors[:-1]) != np.signbit(errors[1:])):
@@ -216,6 +215,8 @@ def _lag_margin(loop: control.TransferFunction, lags: int) -> float:
             continue  # a jump between -pi and pi
         w = brentq(phase_error, frequencies[i], frequencies[i + 1], xtol=1e-15 * last_crossover, rtol=1e-14)
         tau = float(time_constant(w))
+        if abs(phase_error(w)) > 1e-6:
+            continue  # a jump within the interval
         if tau > 0.0:  # 0: abs(L) < 1 there, between two crossovers, where the modulus can't be met
             candidates.append(tau)
     return min(candidates, default=float("inf"))
