@@ -29,7 +29,6 @@ def test_the_example_of_the_reference():
     assert m.frequency == pytest.approx(1.94, abs=2e-2)
 
 
-@pytest.mark.skipif(not hasattr(control, "disk_margins"), reason="came with python-control 0.10.2")
 @pytest.mark.parametrize("skew", [0.0, 1.0, -1.0, 0.4])
 @pytest.mark.parametrize("loop", [TEXTBOOK, PAPER])
 def test_python_control_finds_the_same_on_a_grid(loop, skew):

@@ -122,6 +122,21 @@ def test_reaching_time_of_the_robot_in_native_simulation():
         assert np.max(np.abs(S[after])) < 4 * P * step
 
 
+def test_after_reaching_the_robot_moves_with_the_poles_of_the_surface():
+    """Native simulation, sign function: from an instant on S = 0 the error is the free motion of the reduced order."""
+    names = ["e1[1]", "e1[2]", "S[1]"]
+    run = br.simulate(br.blocks.closed_loop(), 1.8, step_size=1e-4, parameters={"phi": 0.0}, record=names)
+    sliding = run.isel(time=slice(14500, None))  # t_r of both axes lies before 1.45 s
+    assert float(run["time"][14500]) > analysis.reaching_time(float(run["S[1]"][0]), Q, P)
+    start = [float(sliding[name][0]) for name in names[:2]]
+    time = sliding["time"].values - float(sliding["time"][0])
+    slow, fast = analysis.surface_poles(C)
+    amplitudes = np.linalg.solve([[1, 1], [slow, fast]], start)
+    free = (amplitudes[0] * np.exp(slow * time) + amplitudes[1] * np.exp(fast * time)).real
+    assert np.max(np.abs(free)) > 1e-4
+    np.testing.assert_allclose(sliding["e1[1]"].values, free, atol=2e-6)
+
+
 def test_limits_of_the_reaching_time():
     assert analysis.reaching_time(0.0, Q, 0.0) == 0.0
     assert analysis.reaching_time(1.0, Q, 0.0) == np.inf
