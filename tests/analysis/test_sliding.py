@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+import brunovsky as br
 from brunovsky import analysis
 from brunovsky.errors import ParameterError
 
@@ -107,6 +108,33 @@ def test_reaching_time_against_an_integration_with_a_matched_disturbance():
 
     assert analysis.reaching_time(3.0, Q, P) == pytest.approx(reach(P), rel=1e-8)
     assert analysis.reaching_time(3.0, Q, P - 1.0) == pytest.approx(reach(P - 1.0), rel=1e-8)
+
+
+def test_reaching_time_of_the_robot_in_native_simulation():
+    """Both axes from outside the circle, sign function: S is within the relay's step from the predicted instant on."""
+    step = 1e-4
+    run = br.simulate(br.blocks.closed_loop(), 1.5, step_size=step, parameters={"phi": 0.0}, record=["S[1]", "S[2]"])
+    for name in ("S[1]", "S[2]"):
+        S = run[name].values
+        reached = run["time"].values[np.argmax(np.abs(S) < 2 * P * step)]
+        assert reached == pytest.approx(analysis.reaching_time(S[0], Q, P), abs=5 * step)
+        after = run["time"].values > reached + 5 * step
+        assert np.max(np.abs(S[after])) < 4 * P * step
+
+
+def test_after_reaching_the_robot_moves_with_the_poles_of_the_surface():
+    """Native simulation, sign function: from an instant on S = 0 the error is the free motion of the reduced order."""
+    names = ["e1[1]", "e1[2]", "S[1]"]
+    run = br.simulate(br.blocks.closed_loop(), 1.8, step_size=1e-4, parameters={"phi": 0.0}, record=names)
+    sliding = run.isel(time=slice(14500, None))  # t_r of both axes lies before 1.45 s
+    assert float(run["time"][14500]) > analysis.reaching_time(float(run["S[1]"][0]), Q, P)
+    start = [float(sliding[name][0]) for name in names[:2]]
+    time = sliding["time"].values - float(sliding["time"][0])
+    slow, fast = analysis.surface_poles(C)
+    amplitudes = np.linalg.solve([[1, 1], [slow, fast]], start)
+    free = (amplitudes[0] * np.exp(slow * time) + amplitudes[1] * np.exp(fast * time)).real
+    assert np.max(np.abs(free)) > 1e-4
+    np.testing.assert_allclose(sliding["e1[1]"].values, free, atol=2e-6)
 
 
 def test_limits_of_the_reaching_time():

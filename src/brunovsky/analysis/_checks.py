@@ -1,5 +1,8 @@
 """Input checks shared by the folder: a bad number ends in one sentence that names it, the place and the remedy."""
 
+from typing import Any
+
+import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -50,6 +53,51 @@ def conjugate_poles(poles: ArrayLike, where: str) -> NDArray[np.complex128]:
             "give the conjugate of each complex pole as well"
         )
     return vector
+
+
+def stable_loop(loop: Any, where: str, *, channels: int) -> NDArray[np.complex128]:
+    """Return the closed-loop poles of a loop with 1 to `channels` channels, all stable, or raise ParameterError."""
+    if not isinstance(loop, control.TransferFunction | control.StateSpace):
+        raise ParameterError(
+            f"{where}: {type(loop).__name__} is not a loop transfer function; pass a control.TransferFunction or "
+            "control.StateSpace, from loop_transfer or actuator_loop for instance"
+        )
+    if not loop.isctime() or loop.ninputs != loop.noutputs or loop.ninputs > channels:
+        limit = "one input and one output" if channels == 1 else f"as many outputs as inputs, at most {channels}"
+        raise ParameterError(
+            f"{where}: the loop has {loop.ninputs} input(s), {loop.noutputs} output(s) and dt = {loop.dt}; pass one in "
+            f"continuous time with {limit}"
+        )
+    if isinstance(loop, control.TransferFunction):
+        if loop.ninputs > 1:
+            raise ParameterError(
+                f"{where}: a loop of several channels is needed as control.StateSpace, not as fractions"
+            )
+        if len(loop.num[0][0]) > len(loop.den[0][0]):
+            raise ParameterError(
+                f"{where}: the loop's numerator has a higher degree than its denominator; pass a proper one"
+            )
+        poles = np.roots(np.polyadd(loop.num[0][0], loop.den[0][0]))
+    else:
+        poles = control.feedback(loop, np.eye(loop.ninputs)).poles()
+    if np.max(poles.real, initial=-np.inf) >= -1e-10 * np.max(np.abs(poles), initial=0.0):
+        raise ParameterError(
+            f"{where}: the closed loop is not stable (poles {np.round(poles, 6).tolist()}), so it has no margins; "
+            "design a stable one first, for instance with place"
+        )
+    return np.asarray(poles, dtype=np.complex128)
+
+
+def stable_gain(gain: ArrayLike, where: str) -> NDArray[np.float64]:
+    """Return `gain`, K of a stable chain v = -K e, as a vector of shape (n,), or raise ParameterError."""
+    K = finite_vector(gain, "K", where)
+    poles = np.roots(np.concatenate(([1.0], K[::-1])))
+    if np.max(poles.real) >= -1e-10 * np.max(np.abs(poles)):
+        raise ParameterError(
+            f"{where}: K = {K.tolist()} does not make the chain stable (poles {np.round(poles, 6).tolist()}), "
+            "so it has no margins; pass a stabilising gain, for instance from place"
+        )
+    return K
 
 
 def _flat_vector(values: ArrayLike, name: str, where: str, minimum_size: int) -> NDArray[np.complex128]:

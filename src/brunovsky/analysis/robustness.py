@@ -1,4 +1,4 @@
-"""Margins of the linear outer loop of one chain, cut where v enters the inner loop.
+"""Margins of a linear loop; that of one chain is cut where v enters the inner loop.
 
 That cut is where an actuator's lag, a sampled controller's delay or a wrong inner-loop gain appear.
 """
@@ -10,11 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from brunovsky.analysis._checks import finite_vector
-from brunovsky.analysis.design import closed_loop_poles
+from brunovsky.analysis._checks import finite_vector, stable_gain, stable_loop
+from brunovsky.analysis._frequencies import frequencies as frequencies_of
 from brunovsky.errors import ParameterError
-
-_GRID = 4000  # frequencies, over six decades, among which sign changes are looked for
 
 
 @dataclass(frozen=True)
@@ -109,24 +107,57 @@ def margins(gain: ArrayLike) -> Margins:
     K. J. Åström and R. M. Murray, *Feedback Systems*, Princeton University Press, 2008,
     doi:10.1515/9781400828739.
     """
-    K = _stable_gain(gain, "margins")
-    gains, phases, distances, _, crossovers, nearest = control.stability_margins(loop_transfer(K), returnall=True)
+    return loop_margins(loop_transfer(stable_gain(gain, "margins")))
+
+
+def loop_margins(loop: control.TransferFunction) -> Margins:
+    """Classical margins of any stable loop with negative feedback, and the delay and lags it tolerates at its cut.
+
+    Parameters
+    ----------
+    loop : control.TransferFunction or control.StateSpace
+        Loop transfer function L, one input and one output, in continuous time; the closed loop is 1/(1 + L). It may be
+        unstable itself: margins are the smallest changes at which a closed-loop pole reaches the imaginary axis.
+
+    Returns
+    -------
+    Margins
+        Angles in rad, frequencies in rad/s, times in s. Where abs(L) never is 1, the phase, delay and lags are inf and
+        the crossover is nan.
+
+    Raises
+    ------
+    ParameterError
+        If `loop` is no such system, or its closed loop is not stable (it has no margins).
+
+    See Also
+    --------
+    margins : of one chain under a gain.
+    disk_margin : of gain and phase varied together, also for two loops at once.
+
+    References
+    ----------
+    K. J. Åström and R. M. Murray, *Feedback Systems*, Princeton University Press, 2008,
+    doi:10.1515/9781400828739.
+    """
+    stable_loop(loop, "loop_margins", channels=1)
+    gains, phases, distances, _, crossovers, nearest = control.stability_margins(loop, returnall=True)
     angles = np.deg2rad(phases)
-    smallest = int(np.argmin(np.abs(angles)))
+    smallest = int(np.argmin(np.abs(angles))) if len(angles) else -1
     closest = int(np.argmin(distances)) if len(distances) else -1
     reached = closest >= 0 and distances[closest] < 1.0  # L is strictly proper: abs(1 + L) tends to 1 at high frequency
     modulus = float(distances[closest]) if reached else 1.0
     return Margins(
         gain_lower=float(np.max(gains[gains < 1.0], initial=0.0)),
         gain_upper=float(np.min(gains[gains > 1.0], initial=np.inf)),
-        phase=float(angles[smallest]),
-        gain_crossover=float(crossovers[smallest]),
+        phase=float(angles[smallest]) if len(angles) else float("inf"),
+        gain_crossover=float(crossovers[smallest]) if len(angles) else float("nan"),
         modulus=modulus,
         max_sensitivity=1.0 / modulus,
         modulus_frequency=float(nearest[closest]) if reached else float("inf"),
-        delay=float(np.min(np.mod(angles, 2.0 * np.pi) / crossovers)),
-        lag=lag_margin(K),
-        two_lags=lag_margin(K, lags=2),
+        delay=float(np.min(np.mod(angles, 2.0 * np.pi) / crossovers, initial=np.inf)),
+        lag=_lag_margin(loop, 1),
+        two_lags=_lag_margin(loop, 2),
     )
 
 
@@ -158,11 +189,13 @@ def lag_margin(gain: ArrayLike, lags: int = 1) -> float:
     For n = 3 and m = 1, Routh's criterion gives (k2 k3 - k1) / k2^2; the frequency-domain condition is Nyquist's,
     K. J. Åström and R. M. Murray, *Feedback Systems*, 2008, doi:10.1515/9781400828739.
     """
-    K = _stable_gain(gain, "lag_margin")
+    K = stable_gain(gain, "lag_margin")
     if isinstance(lags, bool) or not isinstance(lags, int | np.integer) or lags < 1:
         raise ParameterError(f"lag_margin: lags = {lags!r} is not a positive integer; pass 1, 2, ...")
-    loop = loop_transfer(K)
+    return _lag_margin(loop_transfer(K), int(lags))
 
+
+def _lag_margin(loop: control.TransferFunction, lags: int) -> float:
     def time_constant(w: NDArray[np.float64]) -> NDArray[np.float64]:
         excess = np.maximum(np.abs(loop(1j * w)) ** (2.0 / lags) - 1.0, 0.0)
         return np.asarray(np.sqrt(excess) / w)
@@ -170,8 +203,11 @@ def lag_margin(gain: ArrayLike, lags: int = 1) -> float:
     def phase_error(w: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(np.angle((1.0 + 1j * w * time_constant(w)) ** lags / -loop(1j * w)))
 
-    last_crossover = np.max(control.stability_margins(loop, returnall=True)[4])
-    frequencies = last_crossover * np.logspace(-6, 0, _GRID)
+    crossovers = control.stability_margins(loop, returnall=True)[4]
+    if not len(crossovers):
+        return float("inf")
+    last_crossover = np.max(crossovers)
+    frequencies = frequencies_of((*loop.poles(), *loop.zeros()), 1e-6 * last_crossover, last_crossover)
     errors = phase_error(frequencies)
     candidates = []
     for i in np.flatnonzero(np.signbit(errors[:-1]) != np.signbit(errors[1:])):
@@ -179,17 +215,8 @@ def lag_margin(gain: ArrayLike, lags: int = 1) -> float:
             continue  # a jump between -pi and pi
         w = brentq(phase_error, frequencies[i], frequencies[i + 1], xtol=1e-15 * last_crossover, rtol=1e-14)
         tau = float(time_constant(w))
+        if abs(phase_error(w)) > 1e-6:
+            continue  # a jump within the interval
         if tau > 0.0:  # 0: abs(L) < 1 there, between two crossovers, where the modulus can't be met
             candidates.append(tau)
     return min(candidates, default=float("inf"))
-
-
-def _stable_gain(gain: ArrayLike, where: str) -> NDArray[np.float64]:
-    K = finite_vector(gain, "K", where)
-    poles = closed_loop_poles(K)
-    if np.max(poles.real) >= -1e-10 * np.max(np.abs(poles)):
-        raise ParameterError(
-            f"{where}: K = {K.tolist()} does not make the chain stable (poles {np.round(poles, 6).tolist()}), "
-            "so it has no margins; pass a stabilising gain, for instance from place"
-        )
-    return K

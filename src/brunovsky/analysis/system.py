@@ -25,7 +25,9 @@ def to_control(block: Block) -> control.NonlinearIOSystem:
     -------
     control.NonlinearIOSystem
         Inputs, outputs, states and ``params`` with the block's names; SI units. Switching is evaluated at each call,
-        not frozen: an adaptive solver sees the discontinuity.
+        not frozen: an adaptive solver sees the discontinuity. For `control.input_output_response`,
+        `control.interconnect` (blocks find each other by these names) and `control.linearize`, which numbers inputs and
+        outputs anew unless it is told ``copy_names=True``.
 
     Raises
     ------
@@ -51,7 +53,7 @@ def to_control(block: Block) -> control.NonlinearIOSystem:
         return call
 
     return control.nlsys(
-        evaluate("derivatives") if block.states else None,
+        evaluate("derivatives") if block.states else lambda t, x, u, params: np.zeros(0),
         evaluate("outputs"),
         inputs=[one.name for one in block.inputs],
         outputs=[one.name for one in block.outputs],
