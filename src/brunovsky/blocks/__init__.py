@@ -4,15 +4,22 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.engine import NumpyEngine
 from brunovsky.blocks.library import (
+    backstepping,
     circle,
     closed_loop,
     errors,
+    flat_sliding_mode,
     linearized_robot,
+    polar_sliding_mode,
     pole_placement,
+    posture_loop,
+    posture_reference,
     robot,
     robot_linearization,
     robot_system,
+    second_order_sliding_mode,
     sliding_mode,
+    sliding_sector,
 )
 from brunovsky.blocks.linearized import inner_loop, linearized_block, plant_block
 from brunovsky.blocks.variables import (
@@ -46,18 +53,25 @@ __all__ = [
     "State",
     "Transition",
     "Variable",
+    "backstepping",
     "circle",
     "closed_loop",
     "errors",
+    "flat_sliding_mode",
     "inner_loop",
     "linearized_block",
     "linearized_robot",
     "plant_block",
+    "polar_sliding_mode",
     "pole_placement",
+    "posture_loop",
+    "posture_reference",
     "robot",
     "robot_linearization",
     "robot_system",
+    "second_order_sliding_mode",
     "sliding_mode",
+    "sliding_sector",
     "symbol",
     "symbols",
 ]
