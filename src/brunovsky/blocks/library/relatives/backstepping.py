@@ -7,13 +7,12 @@ import sympy as sp
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.relatives.posture import (
     POSITION,
-    VELOCITY,
+    REST,
     acceleration_outputs,
     derivative,
-    moving_reference,
+    direction,
     posture_inputs,
     reference_posture,
-    robot_direction,
     turned,
 )
 from brunovsky.blocks.variables import Output, Parameter, symbols
@@ -46,8 +45,9 @@ def backstepping() -> Block:
     or w_d does not, from all starts but those that end with opposite headings, which is unstable. No division by
     eta[1]: the law starts from rest. There is no switching; disturbances leave an error.
 
-    Needs a reference that moves forward (its heading is undefined at rest: a step then fails and says so). So it
-    tracks, and does not regulate: no law of this form stabilises a set point.
+    Needs a reference that moves forward, or rests and swings as ``posture_reference`` says: a set point is no more than
+    that, since no law of this form stabilises it without w_d. So it tracks, and regulates the position, while the
+    heading goes on swinging about ``rest_heading``.
 
     Source: Z.-P. Jiang and H. Nijmeijer, Tracking control of mobile robots: a case study in backstepping, Automatica 33
     (1997) 1393-1399, doi:10.1016/S0005-1098(97)00055-1, its global law for kinematics and simplified dynamics,
@@ -55,14 +55,14 @@ def backstepping() -> Block:
     T. Noguchi, A stable tracking control method for an autonomous mobile robot, Proc. IEEE Int. Conf. Robotics and
     Automation 1990, 384-389. Stands for reference [25] of the paper, whose unknown parameters are not estimated here.
     """
-    x, y, eta1, eta2 = symbols("x", "y", "eta[1]", "eta[2]")
+    x, y, theta, eta1, eta2 = symbols("x", "y", "theta", "eta[1]", "eta[2]")
     (k1, k2, k3, k4), gamma, (g1, g2) = (one.symbol for one in _K), _GAMMA.symbol, (one.symbol for one in _G)
-    reference, heading = reference_posture(), robot_direction()
+    reference, heading = reference_posture(), direction(theta)
     gap = POSITION - sp.Matrix([x, y])
     ahead, left = gap.dot(heading), gap.dot(turned(heading))
     sine, cosine = reference.direction.dot(turned(heading)), reference.direction.dot(heading)
     targets = (
-        VELOCITY.dot(heading) + k1 * ahead,
+        reference.speed * cosine + k1 * ahead,
         reference.yaw_rate + gamma * reference.speed * left + k2 * sine,
     )
     surface = [eta - target for eta, target in zip((eta1, eta2), targets, strict=True)]
@@ -75,12 +75,11 @@ def backstepping() -> Block:
         "backstepping",
         "backstepping with time-varying feedback",
         inputs=posture_inputs(),
-        parameters=(*_K, _GAMMA, *_G),
+        parameters=(*_K, _GAMMA, *_G, *REST),
         outputs=(
             *acceleration_outputs(law),
             Output("S[1]", "m/s", "error of the forward velocity", surface[0]),
             Output("S[2]", "rad/s", "error of the yaw rate", surface[1]),
             Output("V", "m2", "Lyapunov function", lyapunov + surface[1] ** 2 / (2 * gamma * g2)),
         ),
-        checks=(moving_reference("backstepping"),),
     )

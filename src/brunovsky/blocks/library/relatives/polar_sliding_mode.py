@@ -7,13 +7,13 @@ import sympy as sp
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.relatives.posture import (
     POSITION,
+    REST,
     VELOCITY,
     acceleration_outputs,
     derivative,
-    moving_reference,
+    direction,
     posture_inputs,
     reference_posture,
-    robot_direction,
     turned,
 )
 from brunovsky.blocks.library.sliding_mode import saturation
@@ -49,23 +49,26 @@ def polar_sliding_mode() -> Block:
     The wanted velocity W has the polar components r_d' - k1 (r - r_d) and r (a_d' - k2 sin(a - a_d)); with h the
     robot's direction and n the normal to its left,
     eta*_1 = W h and eta*_2 = yaw rate of the reference - k3 sin(theta - theta_d) + g W n.
-    S' = -Q S - P sat(S/phi) holds exactly on the nominal robot; accelerations d enter S' alone, so d[1] up to P[1] is
-    rejected, and d[2] too, less what d[1] does to (eta*_2)'. No dynamic extension and no division by eta[1]: the law
-    starts from rest. On S = 0 the tracking error is locally asymptotically stable; nothing is claimed globally.
+    S' = -Q S - P sat(S/phi) + d holds exactly on the nominal robot: disturbances d[k] are matched, and rejected up to
+    P[k]. No dynamic extension and no division by eta[1]: the law starts from rest. On S = 0, behind a reference that
+    moves at v_d on a circle about the pole, small errors have the eigenvalues -k2 and the roots of
+    s^2 + (k3 + g v_d) s + g k1 v_d, all on the left; nothing is claimed globally.
 
-    Needs a reference that moves forward (its heading is undefined at rest: a step then fails and says so) and both
-    robot and reference away from ``pole``. So it tracks, and does not regulate.
+    Needs robot and reference away from ``pole`` (a step there fails and says so), and a reference that moves forward,
+    or rests and swings as ``posture_reference`` says: the turning is what brings the robot to a set point sideways. So
+    it tracks, and regulates the position, while the heading goes on swinging about ``rest_heading``.
 
     Source: D. Chwa, Sliding-mode tracking control of nonholonomic wheeled mobile robots in polar coordinates, IEEE
     Trans. Control Syst. Technol. 12 (2004) 637-644, taken to be reference [28] of the paper. Its text could not be
-    had; coordinates, the sliding variable S = pinv(J) (q' - q_d' + K (q - q_d)) and the reaching law follow what is
-    known of it. Different here: sines of the angle errors, so that no angle wraps; its terms k_0 sgn(q - q_d) abs(s),
-    which make S' discontinuous and its solution for u singular where k_0 > 1, and its second law for a reference
-    at rest are left out; g (1 rad/m there) is a parameter; saturations instead of signs.
+    had, so this is not its exact law: the coordinates q = (r, a, theta), the kinematics q' = J(q) eta, the sliding
+    variable S = pinv(J) (q' - q_d' + K (q - q_d)) and the reaching law are those that a public reproduction of it
+    states. Different here: sines of the angle errors, so that no angle wraps; its terms k_0 sgn(q - q_d) abs(s_theta)
+    in S, whose derivative cannot be solved for u everywhere if k_0 > 1, and its second law for a reference at rest
+    are left out; g (1 rad/m there) is a parameter; saturations instead of signs.
     """
-    x, y, eta1, eta2 = symbols("x", "y", "eta[1]", "eta[2]")
+    x, y, theta, eta1, eta2 = symbols("x", "y", "theta", "eta[1]", "eta[2]")
     pole, (k1, k2, k3), g = sp.Matrix([one.symbol for one in _POLE]), (one.symbol for one in _K), _G.symbol
-    reference, heading = reference_posture(), robot_direction()
+    reference, heading = reference_posture(), direction(theta)
     arm, arm_d = sp.Matrix([x, y]) - pole, POSITION - pole
     radius, radius_d = sp.sqrt(arm.dot(arm)), sp.sqrt(arm_d.dot(arm_d))
     radial = arm_d.dot(VELOCITY) / radius_d - k1 * (radius - radius_d)
@@ -82,7 +85,7 @@ def polar_sliding_mode() -> Block:
         "polar_sliding_mode",
         "sliding mode in polar coordinates",
         inputs=posture_inputs(),
-        parameters=(*_POLE, *_K, _G, *_Q, *_P, *_PHI),
+        parameters=(*_POLE, *_K, _G, *_Q, *_P, *_PHI, *REST),
         outputs=(
             *acceleration_outputs(law),
             Output("S[1]", "m/s", "sliding variable of the forward velocity", surface[0]),
@@ -96,7 +99,6 @@ def polar_sliding_mode() -> Block:
                 "or use co-simulation, which samples it once an internal step",
                 when="model exchange",
             ),
-            moving_reference("polar_sliding_mode"),
             Check(
                 "pole",
                 sp.And(arm.dot(arm) > 0, arm_d.dot(arm_d) > 0),

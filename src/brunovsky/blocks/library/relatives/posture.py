@@ -12,7 +12,7 @@ import sympy as sp
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.outer_loop import CHAINS, INPUTS, ORDER
 from brunovsky.blocks.library.robot import robot, robot_system
-from brunovsky.blocks.variables import Check, Input, Output, symbol, symbols
+from brunovsky.blocks.variables import TIME, Input, Output, Parameter, symbol, symbols
 
 REFERENCE = tuple(one for one in INPUTS if one.name.startswith(("Z1d", "Z2d", "zd3")))
 """Inputs ``Z1d[1..3]``, ``Z2d[1..3]``, ``zd3[1..2]``: the flat outputs to be tracked, with their derivatives."""
@@ -21,9 +21,18 @@ POSITION, VELOCITY, ACCELERATION = (sp.Matrix(symbols(*(f"Z{i}d[{k}]" for i in C
 """Of the reference, shape (2, 1)."""
 
 
+REST = (
+    Parameter("v_min", "m/s", "speed up to which the reference counts as resting", 0.01, 1e-6),
+    Parameter("rest_heading", "rad", "heading of a resting reference, about which it swings"),
+    Parameter("swing", "rad", "amplitude of the swing of a resting reference", 1.0),
+    Parameter("swing_rate", "rad/s", "angular frequency of the swing of a resting reference", 2.0),
+)
+"""Parameters of what a reference does at rest, where its flat outputs say nothing of its heading."""
+
+
 @dataclass(frozen=True)
 class PostureReference:
-    """Posture, speeds and accelerations behind the flat outputs of a reference that drives forward."""
+    """Posture, speeds and accelerations behind the flat outputs of a reference that drives forward or rests."""
 
     direction: sp.Matrix
     speed: sp.Expr
@@ -45,7 +54,7 @@ def _rates() -> Mapping[sp.Symbol, sp.Expr]:
     states = zip(nominal.states, nominal.dynamics.xreplace(undisturbed), strict=True)
     chains = {i: [*(f"Z{i}d[{k}]" for k in range(1, ORDER + 1)), f"zd3[{i}]"] for i in CHAINS}
     reference = ((symbol(low), symbol(high)) for one in chains.values() for low, high in pairwise(one))
-    return dict([*states, *reference])
+    return dict([*states, *reference, (TIME, sp.S.One)])
 
 
 def derivative(expression: sp.Expr) -> sp.Expr:
@@ -53,20 +62,29 @@ def derivative(expression: sp.Expr) -> sp.Expr:
     return sp.Add(*(sp.diff(expression, one) * rate for one, rate in _rates().items()))
 
 
-def robot_direction() -> sp.Matrix:
-    """Unit vector along which the robot drives, (-sin theta, cos theta)."""
-    return sp.Matrix([_rates()[one] for one in symbols("x", "y")]).diff(symbol("eta[1]"))
+def direction(angle: sp.Expr) -> sp.Matrix:
+    """Unit vector along which the robot drives at a heading, (-sin, cos)."""
+    return sp.Matrix([_rates()[one] for one in symbols("x", "y")]).diff(symbol("eta[1]")).subs(symbol("theta"), angle)
 
 
 def reference_posture() -> PostureReference:
-    """Posture reference of the inputs :data:`REFERENCE`; needs a speed above 0.
+    """Posture reference of the inputs :data:`REFERENCE` and the parameters :data:`REST`.
 
-    With the velocity V and the acceleration A: speed |V|, direction V/|V|, yaw rate (V x A)/|V|^2, and the derivatives
-    of speed and yaw rate, which take the third derivatives of the flat outputs.
+    With the velocity V and the acceleration A of a moving reference: speed abs(V), direction V/abs(V), yaw rate
+    V x A/abs(V)^2, and the derivatives of speed and yaw rate, which take the third derivatives of the flat outputs.
+    A resting one has speed 0 and swings about its heading.
     """
-    speed = sp.sqrt(VELOCITY.dot(VELOCITY))
-    yaw_rate = turned(VELOCITY).dot(ACCELERATION) / VELOCITY.dot(VELOCITY)
-    return PostureReference(VELOCITY / speed, speed, yaw_rate, derivative(speed), derivative(yaw_rate))
+    limit, heading, swing, rate = (one.symbol for one in REST)
+    square = VELOCITY.dot(VELOCITY)
+    angle = heading + swing * sp.sin(rate * TIME)
+
+    def where_moving(moving: sp.Expr, resting: sp.Expr) -> sp.Expr:
+        return sp.Piecewise((moving, square > limit**2), (resting, True))
+
+    speed = where_moving(sp.sqrt(square), sp.S.Zero)
+    yaw_rate = where_moving(turned(VELOCITY).dot(ACCELERATION) / square, derivative(angle))
+    along = [where_moving(one / sp.sqrt(square), rest) for one, rest in zip(VELOCITY, direction(angle), strict=True)]
+    return PostureReference(sp.Matrix(along), speed, yaw_rate, derivative(speed), derivative(yaw_rate))
 
 
 def posture_inputs() -> tuple[Input, ...]:
@@ -80,23 +98,14 @@ def acceleration_outputs(law: Mapping[str, sp.Expr]) -> tuple[Output, ...]:
     return tuple(Output(name, commands[name].unit, commands[name].description, law[name]) for name in law)
 
 
-def moving_reference(name: str) -> Check:
-    """What explains a step that fails because the reference is at rest."""
-    return Check(
-        "reference at rest",
-        VELOCITY.dot(VELOCITY) > 0,
-        f"{name} tracks moving references only: where the reference is at rest its heading is undefined; "
-        "let it move, or regulate with an outer loop on v",
-        when="failure",
-    )
-
-
 def posture_reference() -> Block:
     """Flat outputs to posture: what the laws on the accelerations ``u`` derive from a reference, for recording.
 
     Inputs ``Z1d[1..3]``, ``Z2d[1..3]``, ``zd3[1..2]``; outputs the unit vector ``direction[1..2]`` along which the
     reference drives, its forward velocity ``eta_d[1]`` >= 0 in m/s, yaw rate ``eta_d[2]`` in rad/s, and their
-    derivatives ``u_d[1..2]`` in m/s2, rad/s2. Undefined where the reference is at rest: a step there fails and says so.
+    derivatives ``u_d[1..2]`` in m/s2, rad/s2. The flat outputs of a resting reference (speed up to ``v_min``) say
+    nothing of its heading: it is ``rest_heading + swing sin(swing_rate t)`` then, since the laws need a reference that
+    keeps on moving or turning. Where a reference comes to rest its heading jumps, unless it arrives with that one.
 
     Source: the flat outputs (x, y) of the unicycle, M. Fliess, J. Lévine, P. Martin and P. Rouchon, Int. J. Control 61
     (1995) 1327-1361, doi:10.1080/00207179508921959; driving forward is this project's choice of the two solutions.
@@ -113,6 +122,6 @@ def posture_reference() -> Block:
         "posture_reference",
         "posture and speeds of a flat reference",
         inputs=REFERENCE,
+        parameters=REST,
         outputs=tuple(Output(f"{name}[{k}]", unit, what, one) for name, k, unit, what, one in values),
-        checks=(moving_reference("posture_reference"),),
     )

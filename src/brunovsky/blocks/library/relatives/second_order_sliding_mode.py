@@ -29,7 +29,7 @@ def second_order_sliding_mode() -> Block:
     from the chain. With ``phi = 0`` (sign functions) S and S' vanish in finite time for every abs(p) below min(r2,
     r1 - r2), which needs r1 > r2 > 0 (checked). With ``phi > 0`` that holds outside the layers; within them S obeys
     s^2 + (r2/phi2) s + (r1/phi1), and a constant p leaves S = p phi1/r1. Then e decays with the pole -c. The jerk is
-    bounded by r1 + r2 + abs(c e'' - zd3), so that far starts take long: about 3 sqrt(abs(S)/r1).
+    bounded by r1 + r2 + abs(c e'' - zd3), so that the time from far starts grows with the root of the distance.
 
     Needs eta[1] != 0 for the inner loop; ``phi[k] = 0`` is sampled once a step in co-simulation and refused in model
     exchange. Tracks, and regulates the position but not the heading.
