@@ -8,7 +8,7 @@ from sympy import cos, exp, sin, sqrt, tan
 
 from brunovsky.errors import LinearizationError, ModelError
 from brunovsky.linearization import generic_rank, lie_bracket, lie_derivative
-from brunovsky.linearization.rank import is_zero
+from brunovsky.linearization.rank import confirms_rank, is_zero
 from brunovsky.linearization.simplify import factored, tidy
 
 X, Y, Z = sp.symbols("x y z", real=True)
@@ -125,3 +125,16 @@ def test_tidying_keeps_the_value(top: list[tuple[int, ...]], bottom: list[tuple[
     point = {X: 0.7, Z: 1.1}
     assert float(tidy(expression).subs(point)) == pytest.approx(float(expression.subs(point)), rel=1e-9, abs=1e-12)
     assert sp.count_ops(tidy(expression)) <= sp.count_ops(sp.cancel(expression)) + 2
+
+
+def test_a_singular_rank_is_confirmed_by_elimination() -> None:
+    a, b, c = sp.symbols("a b c", real=True)
+    turn = sp.Matrix([[sp.cos(a), sp.sin(a)], [sp.cos(a) * b, sp.sin(a) * b]])
+    assert generic_rank(turn) == 1 and confirms_rank(turn, 1) and not confirms_rank(turn, 0)
+    double = sp.Matrix([[sp.sin(2 * a), sp.cos(a)], [2 * sp.sin(a), 1]])  # sin 2a = 2 sin a cos a
+    assert generic_rank(double) == 1 and confirms_rank(double, 1)
+    transcendent = sp.Matrix([[sp.exp(c), b * sp.exp(c)], [sp.sqrt(b**2 + 1), b * sp.sqrt(b**2 + 1)]])
+    assert generic_rank(transcendent) == 1 and confirms_rank(transcendent, 1)
+    assert confirms_rank(sp.eye(2), 2)
+    large = sp.Matrix(2, 2, lambda i, j: sum(a**k * b**i * sp.sin(c) ** j for k in range(400)))
+    assert not confirms_rank(large, 1)

@@ -4,6 +4,7 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.engine import NumpyEngine
 from brunovsky.blocks.library import (
+    Chains,
     backstepping,
     circle,
     closed_loop,
@@ -18,6 +19,7 @@ from brunovsky.blocks.library import (
     robot_linearization,
     robot_system,
     second_order_sliding_mode,
+    set_point,
     sliding_mode,
     sliding_sector,
 )
@@ -41,6 +43,7 @@ from brunovsky.blocks.variables import (
 __all__ = [
     "TIME",
     "Block",
+    "Chains",
     "Check",
     "Diagram",
     "Input",
@@ -70,6 +73,7 @@ __all__ = [
     "robot_linearization",
     "robot_system",
     "second_order_sliding_mode",
+    "set_point",
     "sliding_mode",
     "sliding_sector",
     "symbol",

@@ -1,4 +1,4 @@
-"""Guard of a law against its singularity: only a denominator that vanishes is regularised.
+"""Guard of a law against its singularity: only the factors of denominators that vanish are regularised, each by itself.
 
 ``1/d`` becomes ``d/d_min**2`` where ``abs(d) <= d_min``, which is continuous at the limit and zero at ``d = 0``.
 ``d_min = 0`` leaves the plain law.
@@ -12,12 +12,13 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from brunovsky.blocks.variables import Check, Parameter, Relation
+from brunovsky.blocks.variables import Check, Parameter, Relation, Variable
+from brunovsky.errors import ModelError
 
 
 @dataclass(frozen=True)
 class Guard:
-    """One denominator with the parameter that is the limit of its absolute value.
+    """One factor of denominators with the parameter that is the limit of its absolute value.
 
     Parameters
     ----------
@@ -67,52 +68,73 @@ class Guard:
 def find_guards(
     expressions: Collection[sp.Expr],
     locus: sp.Basic,
-    limits: Mapping[sp.Expr, Parameter],
-    names: Mapping[sp.Symbol, str],
+    limits: Mapping[sp.Expr, Parameter | float],
+    labels: Mapping[sp.Symbol, Variable],
 ) -> tuple[Guard, ...]:
-    """Guards for what vanishes in the denominators of some expressions, each once, signs apart.
+    """Guards for the factors of the singular locus that occur in the denominators of some expressions.
 
     Parameters
     ----------
     expressions : collection of Expr
         The law and the compensator.
     locus : Eq(product, 0) or false
-        Where the law does not exist; a denominator that has no factor of it cannot vanish and is not guarded.
-    limits : mapping of Expr to Parameter
-        Limit of each denominator; one that is missing is ``singular_min[k]`` with default 0.
-    names : mapping of Symbol to str
-        Names people read.
+        Where the law does not exist; what is no factor of it cannot vanish in a denominator and is not guarded.
+    limits : mapping of Expr to Parameter or float
+        Limit of a factor, or its default value. Without a declaration the limit of a variable ``v`` is ``v_min``, that
+        of another factor ``singular_min[k]``; without a value it is 0, the law as it is.
+    labels : mapping of Symbol to Variable
+        Names and units people read.
+
+    Raises
+    ------
+    ModelError
+        If a limit is given for something that is no factor of the locus.
     """
-    guards: dict[sp.Expr, Guard] = {}
-    shown = {one: sp.Symbol(name) for one, name in names.items()}
-    for expression in expressions:
-        denominator = _vanishing(sp.fraction(sp.together(expression))[1], locus)
-        if denominator == 1 or {denominator, -denominator} & set(guards):
-            continue
-        if -denominator in limits:
-            denominator = -denominator
-        text = str(denominator.xreplace(shown))
-        default = Parameter(
-            f"singular_min[{len(guards) + 1}]", "1", f"guards {text} against zero", 0.0, 0.0, tunable=True
+    factors = _factors(locus)
+    for key in limits:
+        if not {key, -key} & set(factors):
+            there = ", ".join(map(str, factors)) or "none, the law has no singularity"
+            raise ModelError(f"guards: {key} is no factor of the singular locus; its factors are: {there}")
+    denominators = [sp.fraction(sp.together(expression))[1] for expression in expressions]
+    found = [one for one in factors if any(_power(denominator, one) for denominator in denominators)]
+    guards: list[Guard] = []
+    for k, factor in enumerate(found, 1):
+        denominator = -factor if -factor in limits else factor
+        text = str(denominator.xreplace({one: sp.Symbol(label.name) for one, label in labels.items()}))
+        limit = limits.get(denominator, 0.0)
+        guards.append(
+            Guard(
+                denominator,
+                limit if isinstance(limit, Parameter) else _limit(labels.get(denominator), float(limit), k, text),
+                text,
+            )
         )
-        guards[denominator] = Guard(denominator, limits.get(denominator, default), text)
-    return tuple(guards.values())
+    return tuple(guards)
 
 
-def guarded(expression: sp.Expr, locus: sp.Basic, guards: Collection[Guard]) -> sp.Expr:
-    """Expression with what vanishes in its denominator, if anything does, replaced by the guarded reciprocal."""
+def guarded(expression: sp.Expr, guards: Collection[Guard]) -> sp.Expr:
+    """Expression with each factor of its denominator that vanishes replaced by the guarded reciprocal."""
     numerator, denominator = sp.fraction(sp.together(expression))
-    vanishing = _vanishing(denominator, locus)
+    reciprocals = sp.S.One
     for guard in guards:
-        if vanishing in (guard.denominator, -guard.denominator):
-            return numerator * sp.cancel(guard.denominator / denominator) * guard.reciprocal
-    return expression
+        if power := _power(denominator, guard.denominator):
+            denominator = sp.cancel(denominator / guard.denominator**power)
+            reciprocals *= guard.reciprocal**power
+    return expression if reciprocals == 1 else numerator / denominator * reciprocals
 
 
-def _vanishing(denominator: sp.Expr, locus: sp.Basic) -> sp.Expr:
-    """Product of the factors that a denominator shares with the singular locus, with their powers; 1 if none."""
-    if locus == sp.false or not denominator.free_symbols:
-        return sp.S.One
-    zeros = {factor for factor, _ in sp.factor_list(locus.lhs)[1]}
-    shared = [one**power for one, power in sp.factor_list(denominator)[1] if {one, -one} & zeros]
-    return sp.Mul(*shared)
+def _limit(label: Variable | None, value: float, number: int, shown: str) -> Parameter:
+    stem, bracket, indices = label.name.partition("[") if label else ("singular", "[", f"{number}]")
+    unit = label.unit if label else "1"
+    return Parameter(f"{stem}_min{bracket}{indices}", unit, f"guards {shown} against zero", value, 0.0, tunable=True)
+
+
+def _factors(locus: sp.Basic) -> list[sp.Expr]:
+    return [] if locus == sp.false else [factor for factor, _ in sp.factor_list(locus.lhs)[1]]
+
+
+def _power(denominator: sp.Expr, factor: sp.Expr) -> int:
+    """Power with which a factor occurs in a denominator, signs apart."""
+    if not denominator.free_symbols:
+        return 0
+    return sum(int(power) for one, power in sp.factor_list(denominator)[1] if one in (factor, -factor))

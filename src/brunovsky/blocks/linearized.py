@@ -6,14 +6,18 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import sympy as sp
 
+from brunovsky._suggest import unknown_name
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.guard import find_guards, guarded
 from brunovsky.blocks.units import derivative_unit
 from brunovsky.blocks.variables import Input, Output, Parameter, State, Variable, symbol
+from brunovsky.errors import ModelError
 from brunovsky.linearization import AffineSystem, Linearization
 
 Labels = Mapping[sp.Symbol, Variable]
+Values = Mapping[sp.Symbol | str, float]
+Declarations = Sequence[Parameter] | Values
 
 
 def plant_block(
@@ -22,8 +26,8 @@ def plant_block(
     *,
     description: str = "",
     labels: Labels | None = None,
-    parameters: Sequence[Parameter] = (),
-    starts: Mapping[sp.Symbol, float] | None = None,
+    parameters: Declarations = (),
+    starts: Values | None = None,
 ) -> Block:
     """Bare plant ``x' = f + G u + sum d_k g_k`` as a block whose outputs are its states.
 
@@ -35,9 +39,9 @@ def plant_block(
         Of the block.
     labels : mapping of Symbol to Variable, optional
         Name, unit and description of states, inputs and disturbances; a symbol without one keeps its own name.
-    parameters : sequence of Parameter
-        One for each of ``system.parameters``, with value and range.
-    starts : mapping of Symbol to float, optional
+    parameters : sequence of Parameter, or mapping of Symbol or str to float
+        One for each of ``system.parameters``, with value and range; or only the values.
+    starts : mapping of Symbol or str to float, optional
         Default start values, 0 where not given; each state has a fixed parameter ``NAME_start``.
 
     Returns
@@ -50,9 +54,10 @@ def plant_block(
     ModelError
         If a parameter of the system has no declaration.
     """
+    declared = _declared(system.parameters, parameters)
     known = _labelled((*system.states, *system.inputs, *system.disturbances), labels)
     new = {one: label.symbol for one, label in known.items()} | _parameter_symbols(system)
-    start = {one: _start_parameter(known[one], (starts or {}).get(one, 0.0)) for one in system.states}
+    start = _start_parameters(system.states, known, starts or {}, system.states)
     states = [
         State(*_parts(known[one]), derivative=slope.xreplace(new), start=start[one].symbol)
         for one, slope in zip(system.states, system.dynamics, strict=True)
@@ -61,7 +66,7 @@ def plant_block(
         name,
         description,
         inputs=tuple(Input(*_parts(known[one])) for one in (*system.inputs, *system.disturbances)),
-        parameters=(*start.values(), *parameters),
+        parameters=(*start.values(), *declared),
         states=tuple(states),
         outputs=tuple(Output(*_parts(one), expression=one.symbol) for one in states),
     )
@@ -74,9 +79,9 @@ def inner_loop(
     description: str = "linearising feedback with its compensator",
     labels: Labels | None = None,
     output_units: Sequence[str] | None = None,
-    parameters: Sequence[Parameter] = (),
-    starts: Mapping[sp.Symbol, float] | None = None,
-    guards: Mapping[sp.Expr, Parameter] | None = None,
+    parameters: Declarations = (),
+    starts: Values | None = None,
+    guards: Mapping[sp.Expr, Parameter | float] | None = None,
 ) -> Block:
     """Linearising feedback of a system: v and the plant's states in, the plant's inputs and the chains out.
 
@@ -90,8 +95,9 @@ def inner_loop(
         As for :func:`plant_block`.
     output_units : sequence of str, optional
         Unit of each output that heads a chain; taken from its label where the output is a state, else ``"1"``.
-    guards : mapping of Expr to Parameter, optional
-        The limit ``d_min`` for each denominator ``d`` of the law; missing ones are ``singular_min[k]``, default 0.
+    guards : mapping of Expr to Parameter or float, optional
+        The limit ``d_min`` for factors ``d`` of the singular locus, or its default value. A variable ``v`` has
+        ``v_min``, another factor ``singular_min[k]``; the default is 0, the law as it is, which fails where ``d = 0``.
 
     Returns
     -------
@@ -118,9 +124,9 @@ def inner_loop(
         (*commands.values(), *slopes.values()),
         locus,
         {key.xreplace(new): limit for key, limit in (guards or {}).items()},
-        {label.symbol: label.name for label in known.values()},
+        {label.symbol: label for label in known.values()},
     )
-    start = {one: _start_parameter(known[one], (starts or {}).get(one, 0.0)) for one in compensator}
+    start = _start_parameters(compensator, known, starts or {}, extended.states)
     limits = [f"abs({one.shown}) <= {one.limit.name}" for one in found]
     singular = (
         f"{' or '.join(limits)}: the law is guarded against its singularity" if found else "never: no singularity"
@@ -129,12 +135,10 @@ def inner_loop(
         name,
         description,
         inputs=tuple(Input(*_parts(one)) for one in (*outer, *(known[one] for one in system.states))),
-        parameters=(*start.values(), *parameters, *(one.limit for one in found)),
-        states=tuple(
-            State(*_parts(known[one]), guarded(slopes[one], locus, found), start[one].symbol) for one in compensator
-        ),
+        parameters=(*start.values(), *_declared(system.parameters, parameters), *(one.limit for one in found)),
+        states=tuple(State(*_parts(known[one]), guarded(slopes[one], found), start[one].symbol) for one in compensator),
         outputs=(
-            *(Output(*_parts(known[one]), expression=guarded(commands[one], locus, found)) for one in system.inputs),
+            *(Output(*_parts(known[one]), expression=guarded(commands[one], found)) for one in system.inputs),
             *_chain_outputs(linearization, units, new),
             Output("singular", "1", singular, sp.Not(sp.And(*(one.regular for one in found)))),
         ),
@@ -151,9 +155,9 @@ def linearized_block(
     description: str = "plant with its linearising inner loop",
     labels: Labels | None = None,
     output_units: Sequence[str] | None = None,
-    parameters: Sequence[Parameter] = (),
-    starts: Mapping[sp.Symbol, float] | None = None,
-    guards: Mapping[sp.Expr, Parameter] | None = None,
+    parameters: Declarations = (),
+    starts: Values | None = None,
+    guards: Mapping[sp.Expr, Parameter | float] | None = None,
 ) -> Diagram:
     """Plant and inner loop: between ``v`` and the outputs it is a set of integrator chains.
 
@@ -179,12 +183,13 @@ def linearized_block(
     A. Isidori, *Nonlinear Control Systems*, 3rd ed., 1995, section 5.4, doi:10.1007/978-1-84628-615-5.
     """
     plant = plant or linearization.system
+    own = {one: float(value) for one, value in (starts or {}).items() if str(one) in {*map(str, plant.states)}}
+    declared = _declared((*plant.parameters, *linearization.system.parameters), parameters)
 
     def used(symbols: Iterable[sp.Symbol]) -> list[Parameter]:
-        needed = {symbol(str(one)) for one in symbols}
-        return [one for one in parameters if one.symbol in needed]
+        return [one for one in declared if one.symbol in {symbol(str(other)) for other in symbols}]
 
-    body = plant_block(plant, "plant", labels=labels, parameters=used(plant.parameters), starts=starts)
+    body = plant_block(plant, "plant", labels=labels, parameters=used(plant.parameters), starts=own)
     loop = inner_loop(
         linearization,
         labels=labels,
@@ -233,6 +238,34 @@ def _parameter_symbols(system: AffineSystem) -> dict[sp.Symbol, sp.Symbol]:
 
 def _parts(one: Variable) -> tuple[str, str, str]:
     return one.name, one.unit, one.description
+
+
+def _declared(symbols: Iterable[sp.Symbol], given: Declarations) -> list[Parameter]:
+    """Declarations of a system's parameters, each by itself or by its value alone."""
+    names = dict.fromkeys(map(str, symbols))
+    if isinstance(given, Mapping):
+        values = {str(one): value for one, value in given.items()}
+        declared = [Parameter(name, "1", f"parameter {name}", float(values[name])) for name in names if name in values]
+        there = set(values)
+    else:
+        declared, there = list(given), {str(one.symbol) for one in given}
+    known = {str(symbol(name)) for name in names}
+    if missing := [name for name in names if str(symbol(name)) not in {str(one.symbol) for one in declared}]:
+        raise ModelError(f"parameters without a value: {', '.join(missing)}; give `parameters` one for each")
+    if unknown := [name for name in there if str(symbol(name)) not in known]:
+        raise ModelError(f"the system has {unknown_name('parameter', unknown[0], list(names))}")
+    return declared
+
+
+def _start_parameters(
+    states: Iterable[sp.Symbol], known: Mapping[sp.Symbol, Variable], starts: Values, allowed: Iterable[sp.Symbol]
+) -> dict[sp.Symbol, Parameter]:
+    values = {str(one): float(value) for one, value in starts.items()}
+    names = [str(one) for one in allowed]
+    for name in values:
+        if name not in names:
+            raise ModelError(f"starts: there is {unknown_name('state', name, names)}")
+    return {one: _start_parameter(known[one], values.get(str(one), 0.0)) for one in states}
 
 
 def _start_parameter(one: Variable, value: float) -> Parameter:

@@ -59,8 +59,14 @@ def unit_exponents(unit: str) -> tuple[int, ...]:
 
 def derivative_unit(unit: str, order: int) -> str:
     """Unit of the time derivative of the given order: ``derivative_unit("m", 3) == "m/s3"``."""
-    seconds = unit_exponents(unit)[BASE_UNITS.index("s")] - order
-    rest = re.sub(r"[./]s-?\d*(?![A-Za-z])", "", unit)
+    unit_exponents(unit)
+    written = [match for match in _FACTOR.finditer(unit) if match[2] == "s"]  # not the seconds within V, N, …
+    seconds = sum(int(match[3] or 1) * (-1 if match[1] == "/" else 1) for match in written) - order
+    rest = "".join(match[0] for match in _FACTOR.finditer(unit) if match[2] != "s")
+    rest = rest[1:] if rest.startswith(".") else f"1{rest}" if rest.startswith("/") else rest or "1"
     if seconds == 0:
         return rest
-    return f"{rest}{'.' if seconds > 0 else '/'}s{abs(seconds) if abs(seconds) > 1 else ''}"
+    size = f"s{abs(seconds)}" if abs(seconds) > 1 else "s"
+    if seconds > 0:
+        return size if rest == "1" else f"{rest}.{size}"
+    return f"{rest}/{size}"

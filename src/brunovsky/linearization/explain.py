@@ -97,7 +97,8 @@ def derivation(linearization: Linearization) -> Iterator[Line]:
         through = tuple(step.transformation.combinations.values()) if step.transformation else step.delayed
         yield Sentence(
             "G has generic rank {}, not {}: outputs {} depend on each other through {} alone, so it is singular "
-            "everywhere and static feedback does not decouple them.",
+            "everywhere and static feedback does not decouple them. "
+            + ("Elimination proves the rank." if step.is_confirmed else "The rank is that at random points."),
             (step.rank, len(system.outputs), tuple(i + 1 for i in step.outputs), through),
         )
         if step.transformation:

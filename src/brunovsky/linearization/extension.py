@@ -19,7 +19,7 @@ from brunovsky.errors import LinearizationError, ModelError
 from brunovsky.linearization.affine import AffineSystem
 from brunovsky.linearization.input_transformation import InputTransformation, find_transformation
 from brunovsky.linearization.naming import integrator_input
-from brunovsky.linearization.rank import generic_rank
+from brunovsky.linearization.rank import confirms_rank, generic_rank
 from brunovsky.linearization.relative_degree import OutputDerivatives, differentiate_outputs
 from brunovsky.linearization.simplify import tidy
 
@@ -36,6 +36,8 @@ class ExtensionStep:
         Its relative degree, F and singular G.
     rank : int
         The generic rank of G.
+    is_confirmed : bool
+        Whether symbolic elimination confirms that rank, which random points gave.
     outputs : tuple of int
         The outputs (counted from 0) whose rows of G depend on each other.
     delayed : tuple of sympy.Symbol
@@ -49,6 +51,7 @@ class ExtensionStep:
     system: AffineSystem
     derivatives: OutputDerivatives
     rank: int
+    is_confirmed: bool
     outputs: tuple[int, ...]
     delayed: tuple[sp.Symbol, ...]
     inputs: tuple[sp.Symbol, ...]
@@ -278,7 +281,8 @@ def extend(system: AffineSystem, max_extensions: int, operating_point: Mapping[s
             raise LinearizationError(f"{_place(steps)}: {error}") from None
         extended = add_integrators(transformation.apply(system) if transformation else system, delayed)
         inputs = extended.inputs[len(system.inputs) - len(delayed) :]
-        steps.append(ExtensionStep(system, derivatives, rank, outputs, delayed, inputs, transformation))
+        confirmed = confirms_rank(derivatives.decoupling_matrix, rank)
+        steps.append(ExtensionStep(system, derivatives, rank, confirmed, outputs, delayed, inputs, transformation))
         system = extended
 
 

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import block_diag, expm
-from scipy.optimize import minimize_scalar
 
 from brunovsky.errors import LinearizationError, ModelError, ParameterError
 from brunovsky.linearization.linearize import Linearization
@@ -120,6 +118,9 @@ def forecast(
     ParameterError
         If a parameter has no value.
     """
+    from scipy.linalg import block_diag, expm  # they take as long as all of this package
+    from scipy.optimize import minimize_scalar
+
     sizes = linearization.relative_degree
     feedback = [np.asarray(one, dtype=float) for one in gains]
     start = [np.asarray(one, dtype=float) for one in initial]

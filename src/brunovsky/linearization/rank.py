@@ -3,19 +3,22 @@
 Simplification cannot be trusted to find every zero, numbers can. Rational functions of the symbols and of the sines
 and cosines of single symbols are evaluated in rational arithmetic, with (sin, cos) replaced by rational points of the
 unit circle; this is exact, and wrong only if a random point hits a zero set of measure zero at every try. Anything
-else (exp, sqrt, sin of a product, …) is evaluated to 60 digits.
+else (exp, sqrt, sin of a product, …) is evaluated to 60 digits. A point thus proves a rank from below; where it matters
+and is cheap, `confirms_rank` proves it from above.
 """
 
 import random
 from collections.abc import Iterable
 
 import sympy as sp
+from sympy.polys.matrices import DomainMatrix
 
 from brunovsky.errors import LinearizationError
 
 _POINTS = 3
 _DIGITS = 60
 _TOLERANCE = sp.Float("1e-35", _DIGITS)
+_CHEAP = 2000
 
 
 def generic_rank(matrix: sp.Matrix) -> int:
@@ -52,6 +55,36 @@ def generic_rank(matrix: sp.Matrix) -> int:
     if not ranks:
         raise LinearizationError(f"{matrix} is not finite at {_POINTS} random points; check its denominators")
     return max(ranks)
+
+
+def confirms_rank(matrix: sp.Matrix, rank: int) -> bool:
+    """Whether symbolic elimination proves that the generic rank of a matrix is no more than a number.
+
+    The sine and cosine of an angle a are rational functions of tan(a/2), other functions are taken as independent
+    variables, which cannot lower the rank; the elimination in the field of fractions is exact.
+
+    Parameters
+    ----------
+    matrix : sympy.Matrix
+        As for `generic_rank`.
+    rank : int
+        The rank that random points gave.
+
+    Returns
+    -------
+    bool
+        False also where it was not tried, because the matrix is large.
+    """
+    if rank == min(matrix.shape):
+        return True
+    polynomial = matrix.applyfunc(in_sines_and_cosines)
+    if sum(int(sp.count_ops(entry)) for entry in polynomial) > _CHEAP:
+        return False
+    halves: dict[sp.Expr, sp.Expr] = {}
+    for angle in {term.args[0] for term in polynomial.atoms(sp.sin, sp.cos)}:
+        half = sp.Dummy()
+        halves |= {sp.sin(angle): 2 * half / (1 + half**2), sp.cos(angle): (1 - half**2) / (1 + half**2)}
+    return int(DomainMatrix.from_Matrix(polynomial.xreplace(halves)).to_field().rank()) <= rank
 
 
 def is_zero(expression: sp.Expr) -> bool:

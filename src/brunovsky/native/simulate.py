@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike
 
 from brunovsky._suggest import unknown_name
@@ -14,6 +13,9 @@ from brunovsky.blocks import Block, NumpyEngine, Output, Variable
 from brunovsky.blocks.engine import step_count
 from brunovsky.errors import ModelError, ParameterError, SimulationError
 from brunovsky.native.engine import NativeEngine
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Signal = float | ArrayLike | Callable[[float], float]
 ENGINES: dict[str, type[NativeEngine] | type[NumpyEngine]] = {"native": NativeEngine, "numpy": NumpyEngine}
@@ -128,4 +130,6 @@ def _dataset(
         if isinstance(one, Output) and one.is_boolean:
             values = values.astype(bool)
         data[name] = ("time", values.copy(), {"units": one.unit, "long_name": one.description})
+    import xarray as xr  # takes as long as all of this package; only results need it
+
     return xr.Dataset(data, coords={"time": ("time", times, {"units": "s"})})

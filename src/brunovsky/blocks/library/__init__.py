@@ -1,9 +1,10 @@
-"""The blocks that ship, one short file each."""
+"""The blocks that ship: the robot, outer loops and references for chains, and the closed loop of them."""
 
-from brunovsky.blocks.library.circle import circle
+from brunovsky.blocks.library.chains import Chains
 from brunovsky.blocks.library.closed_loop import closed_loop
-from brunovsky.blocks.library.outer_loop import errors
-from brunovsky.blocks.library.pole_placement import pole_placement
+from brunovsky.blocks.library.errors import errors
+from brunovsky.blocks.library.outer_loops import pole_placement, sliding_mode
+from brunovsky.blocks.library.references import circle, set_point
 from brunovsky.blocks.library.relatives import (
     backstepping,
     flat_sliding_mode,
@@ -14,9 +15,9 @@ from brunovsky.blocks.library.relatives import (
     sliding_sector,
 )
 from brunovsky.blocks.library.robot import linearized_robot, robot, robot_linearization, robot_system
-from brunovsky.blocks.library.sliding_mode import sliding_mode
 
 __all__ = [
+    "Chains",
     "backstepping",
     "circle",
     "closed_loop",
@@ -31,6 +32,7 @@ __all__ = [
     "robot_linearization",
     "robot_system",
     "second_order_sliding_mode",
+    "set_point",
     "sliding_mode",
     "sliding_sector",
 ]

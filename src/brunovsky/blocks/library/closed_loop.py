@@ -1,13 +1,19 @@
-"""The closed loop: reference, outer loop and linearised robot, wired as a diagram."""
+"""The closed loop: reference, outer loop and linearised plant, wired as a diagram."""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping, Sequence
+
+import sympy as sp
+
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
-from brunovsky.blocks.library.circle import circle
-from brunovsky.blocks.library.outer_loop import errors
+from brunovsky.blocks.library.chains import ROBOT_CHAINS, Chains
+from brunovsky.blocks.library.errors import errors
+from brunovsky.blocks.library.outer_loops import sliding_mode
+from brunovsky.blocks.library.references import circle, set_point
 from brunovsky.blocks.library.robot import linearized_robot
-from brunovsky.blocks.library.sliding_mode import sliding_mode
+from brunovsky.blocks.variables import symbol
 
 FIGURE_6_OUTSIDE = {"x_start": 2.5, "eta_start[1]": 0.5}
 
@@ -19,14 +25,19 @@ def closed_loop(
     reference: Block | None = None,
     name: str = "closed_loop",
 ) -> Diagram:
-    """Reference -> outer loop -> linearised robot, with errors recorded.
+    """Reference -> outer loop -> linearised plant, with errors recorded.
+
+    Names say what is wired to what: an input of the controller is fed by the reference or the plant, whichever has an
+    output of that name, an input of the plant by the controller. What nothing feeds is an input of the diagram.
 
     Parameters
     ----------
     controller : Block, optional
-        An outer loop of two chains; the default is :func:`sliding_mode`.
-    plant, reference : Block, optional
-        The defaults are :func:`linearized_robot` and :func:`circle`.
+        An outer loop for the plant's chains; the default, for chains like the robot's, is :func:`sliding_mode`.
+    plant : Block, optional
+        A plant with its inner loop, :func:`linearized_robot` by default; ``linearized_block`` makes others.
+    reference : Block, optional
+        The default is :func:`circle` for chains like the robot's, else :func:`set_point`.
     name : str
         Of the diagram.
 
@@ -34,33 +45,58 @@ def closed_loop(
     -------
     Diagram
         Inputs the disturbances of the plant; outputs those of plant, errors and controller; all their parameters
-        under their own names. Defaults: figure 6 of the paper from outside the circle. With the default controller
-        ``P = 0`` makes it pole placement, ``radius = 0`` regulation to the centre.
+        under their own names, or ``controller.NAME`` where the plant has the same. Defaults: figure 6 of the paper
+        from outside the circle. With the default controller ``P = 0`` makes it pole placement, ``radius = 0``
+        regulation to the centre.
+
+    Raises
+    ------
+    ModelError
+        If the plant has no chains, or units differ.
     """
+    body = plant or linearized_robot()
+    chains = Chains.of(body)
     parts = {
-        "reference": reference or circle(),
-        "controller": controller or sliding_mode(),
-        "plant": plant or linearized_robot(),
-        "errors": errors(),
+        "reference": reference or (circle() if chains == ROBOT_CHAINS else set_point(chains)),
+        "controller": controller or sliding_mode(chains),
+        "plant": body,
+        "errors": errors(chains),
     }
-    chains, references = ("Z1", "Z2"), ("Z1d", "Z2d")
-    connections = {f"{target}.{one}": f"plant.{one}" for target in ("controller", "errors") for one in chains}
-    connections |= {f"{target}.{one}": f"reference.{one}" for target in ("controller", "errors") for one in references}
-    connections |= {"controller.zd3": "reference.zd3", "plant.v": "controller.v"}
-    driven = [one.name for one in parts["controller"].outputs if one.name.startswith("v[")]
-    shown = {
-        "plant": [one.name for one in parts["plant"].outputs],
-        "errors": [one.name for one in parts["errors"].outputs],
-        "controller": sorted((one.name for one in parts["controller"].outputs), key=driven.__contains__),
-    }
+    provided = {key: {one.name for one in parts[key].outputs} for key in parts}
+    sources = {"controller": ("reference", "plant"), "plant": ("controller",), "errors": ("reference", "plant")}
+    connections: dict[str, str] = {}
+    inputs: dict[str, list[str]] = {}
+    for target, candidates in sources.items():
+        for one in parts[target].inputs:
+            source = next((key for key in candidates if one.name in provided[key]), None)
+            if source:
+                connections[f"{target}.{one.name}"] = f"{source}.{one.name}"
+            else:
+                inputs.setdefault(one.name, []).append(f"{target}.{one.name}")
+    outputs = {key: [one.name for one in parts[key].outputs] for key in ("plant", "errors", "controller")}
+    outputs["controller"].sort(key={one.name for one in body.inputs}.__contains__)  # v after S
+    taken = {symbol(one) for one in (*inputs, *(state.name for state in body.states))}
+    shown = _exported(outputs, taken - {symbol(one) for one in outputs["plant"]})
     own = {key: [one.name for one in parts[key].parameters] for key in ("plant", "reference", "controller")}
     return Diagram(
         name,
-        "reference, outer loop and linearised robot",
+        "reference, outer loop and linearised plant",
         components=parts,
         connections=connections,
-        inputs={one.name: f"plant.{one.name}" for one in parts["plant"].inputs if one.name not in driven},
-        outputs={one: f"{key}.{one}" for key, names in shown.items() for one in names},
-        parameters={one: f"{key}.{one}" for key, names in own.items() for one in names},
-        values=FIGURE_6_OUTSIDE,
+        inputs=inputs,
+        outputs=shown,
+        parameters=_exported(own, taken | {symbol(one) for one in shown}),
+        values=FIGURE_6_OUTSIDE if plant is None else {},
     )
+
+
+def _exported(names: Mapping[str, Sequence[str]], taken: Collection[sp.Symbol]) -> dict[str, str]:
+    """Names under which components' variables are exported: their own, unless taken, else the flattened one."""
+    exported: dict[str, str] = {}
+    used = set(taken)
+    for component, own in names.items():
+        for one in own:
+            name = one if symbol(one) not in used else f"{component}.{one}"
+            used.add(symbol(name))
+            exported[name] = f"{component}.{one}"
+    return exported

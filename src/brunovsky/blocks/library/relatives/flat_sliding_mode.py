@@ -5,8 +5,8 @@ from __future__ import annotations
 import sympy as sp
 
 from brunovsky.blocks.block import Block
-from brunovsky.blocks.library.outer_loop import CHAINS, outer_inputs
-from brunovsky.blocks.library.sliding_mode import sliding_mode
+from brunovsky.blocks.library.chains import ROBOT_CHAINS
+from brunovsky.blocks.library.outer_loops import sliding_mode
 from brunovsky.blocks.variables import symbols
 
 
@@ -29,15 +29,15 @@ def flat_sliding_mode() -> Block:
     base = sliding_mode()
     c3, p, phi = symbols("C[3]", "P", "phi")
     known = {one.name: one.expression for one in base.outputs}
-    surface = {i: known[f"S[{i}]"] for i in CHAINS}
+    surface = {i: known[f"S[{i}]"] for i in ROBOT_CHAINS.numbers}
     square = sum(one**2 for one in surface.values())
     reciprocal = sp.Piecewise((1 / sp.sqrt(square), square > phi**2), (1 / phi, phi > 0), (0, True))
-    law = {i: known[f"v[{i}]"].subs(p, 0) - p * surface[i] * reciprocal / c3 for i in CHAINS}
+    law = {i: known[f"v[{i}]"].subs(p, 0) - p * surface[i] * reciprocal / c3 for i in ROBOT_CHAINS.numbers}
     return Block(
         "flat_sliding_mode",
         "multivariable sliding mode on the flat outputs",
         inputs=base.inputs,
         parameters=base.parameters,
-        outputs=(*outer_inputs(law), *(one for one in base.outputs if one.name.startswith("S["))),
+        outputs=(*ROBOT_CHAINS.outer_inputs(law), *(one for one in base.outputs if one.name.startswith("S["))),
         checks=base.checks,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sympy as sp
 
 from brunovsky.blocks.block import Block
+from brunovsky.blocks.library.outer_loops import saturation
 from brunovsky.blocks.library.relatives.posture import (
     POSITION,
     REST,
@@ -16,7 +17,6 @@ from brunovsky.blocks.library.relatives.posture import (
     reference_posture,
     turned,
 )
-from brunovsky.blocks.library.sliding_mode import saturation
 from brunovsky.blocks.variables import Check, Output, Parameter, symbols
 
 _POLE = (

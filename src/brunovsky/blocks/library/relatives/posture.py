@@ -10,14 +10,14 @@ from itertools import pairwise
 import sympy as sp
 
 from brunovsky.blocks.block import Block
-from brunovsky.blocks.library.outer_loop import CHAINS, INPUTS, ORDER
+from brunovsky.blocks.library.chains import ROBOT_CHAINS
 from brunovsky.blocks.library.robot import robot, robot_system
 from brunovsky.blocks.variables import TIME, Input, Output, Parameter, symbol, symbols
 
-REFERENCE = tuple(one for one in INPUTS if one.name.startswith(("Z1d", "Z2d", "zd3")))
+REFERENCE = tuple(one for one in ROBOT_CHAINS.inputs if one not in ROBOT_CHAINS.states)
 """Inputs ``Z1d[1..3]``, ``Z2d[1..3]``, ``zd3[1..2]``: the flat outputs to be tracked, with their derivatives."""
 
-POSITION, VELOCITY, ACCELERATION = (sp.Matrix(symbols(*(f"Z{i}d[{k}]" for i in CHAINS))) for k in range(1, ORDER + 1))
+POSITION, VELOCITY, ACCELERATION = (sp.Matrix(symbols(f"Z1d[{k}]", f"Z2d[{k}]")) for k in (1, 2, 3))
 """Of the reference, shape (2, 1)."""
 
 
@@ -52,8 +52,8 @@ def _rates() -> Mapping[sp.Symbol, sp.Expr]:
     nominal = robot_system().with_parameters(dict.fromkeys(robot_system().parameters, 1))
     undisturbed = dict.fromkeys(nominal.disturbances, 0)
     states = zip(nominal.states, nominal.dynamics.xreplace(undisturbed), strict=True)
-    chains = {i: [*(f"Z{i}d[{k}]" for k in range(1, ORDER + 1)), f"zd3[{i}]"] for i in CHAINS}
-    reference = ((symbol(low), symbol(high)) for one in chains.values() for low, high in pairwise(one))
+    derivatives = (symbols(*(f"Z{i}d[{k}]" for k in (1, 2, 3)), f"zd3[{i}]") for i in ROBOT_CHAINS.numbers)
+    reference = (pair for chain in derivatives for pair in pairwise(chain))
     return dict([*states, *reference, (TIME, sp.S.One)])
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import sympy as sp
 
 from brunovsky.blocks.block import Block
-from brunovsky.blocks.library.outer_loop import CHAINS, INPUTS, outer_inputs, tracking_error
-from brunovsky.blocks.library.sliding_mode import saturation
-from brunovsky.blocks.variables import Check, Output, Parameter, symbol
+from brunovsky.blocks.library.chains import ROBOT_CHAINS
+from brunovsky.blocks.library.outer_loops import saturation
+from brunovsky.blocks.variables import Check, Output, Parameter
 
 _C = Parameter("c", "1/s", "pole of the error on the surface is -c", 2.0, 0.0, tunable=True)
 _R = (
@@ -39,22 +39,20 @@ def second_order_sliding_mode() -> Block:
     58 (1993) 1247-1263, doi:10.1080/00207179308923053. The layers are this project's.
     """
     c, (r1, r2), (phi1, phi2) = _C.symbol, (one.symbol for one in _R), (one.symbol for one in _PHI)
-    errors = {i: tracking_error(i) for i in CHAINS}
+    errors = {i: ROBOT_CHAINS.error(i) for i in ROBOT_CHAINS.numbers}
     surface = {i: c * e[0] + e[1] for i, e in errors.items()}
     rate = {i: c * e[1] + e[2] for i, e in errors.items()}
-    law = {
-        i: symbol(f"zd3[{i}]") - c * errors[i][2] - r1 * saturation(surface[i], phi1) - r2 * saturation(rate[i], phi2)
-        for i in CHAINS
-    }
+    switching = {i: r1 * saturation(surface[i], phi1) + r2 * saturation(rate[i], phi2) for i in errors}
+    law = {i: ROBOT_CHAINS.feedforward(i) - c * errors[i][2] - switching[i] for i in errors}
     return Block(
         "second_order_sliding_mode",
         "twisting on a surface of relative degree two",
-        inputs=INPUTS,
+        inputs=ROBOT_CHAINS.inputs,
         parameters=(_C, *_R, *_PHI),
         outputs=(
-            *outer_inputs(law),
-            *(Output(f"S[{i}]", "m/s", f"sliding variable of chain {i}", surface[i]) for i in CHAINS),
-            *(Output(f"S_rate[{i}]", "m/s2", f"derivative of S[{i}]", rate[i]) for i in CHAINS),
+            *ROBOT_CHAINS.outer_inputs(law),
+            *(Output(f"S[{i}]", "m/s", f"sliding variable of chain {i}", surface[i]) for i in ROBOT_CHAINS.numbers),
+            *(Output(f"S_rate[{i}]", "m/s2", f"derivative of S[{i}]", rate[i]) for i in ROBOT_CHAINS.numbers),
         ),
         checks=(
             Check("surface", c > 0, "c = 0 leaves the position error on the surface as it is; set c > 0"),

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 import sympy as sp
-from scipy.linalg import solve_continuous_are
 
 from brunovsky.blocks.block import Block
-from brunovsky.blocks.library.outer_loop import CHAINS, INPUTS, ORDER, outer_inputs, tracking_error
-from brunovsky.blocks.variables import Check, Mode, Output, Parameter, Transition, symbol
+from brunovsky.blocks.library.chains import ROBOT_CHAINS
+from brunovsky.blocks.variables import Check, Mode, Output, Parameter, Transition
 from brunovsky.errors import ParameterError
 
+_ORDER = ROBOT_CHAINS.orders[0]
 _WEIGHTS = (4096.0, 512.0, 16.0)
 _K = Parameter("K", "1/s", "rate at which s decays while the control is on", 60.0, 0.0, tunable=True)
 _INNER = Parameter("inner", "1", "ratio of the inner sector to the sector", 0.5, 0.0, 0.9)
@@ -52,30 +52,30 @@ def sliding_sector(weights: Sequence[float] = _WEIGHTS, ratio: float = 0.5) -> B
     Their exact law outside the sector could not be had; this one is the standard law of the class.
     """
     q = [float(one) for one in weights]
-    if len(q) != ORDER or not all(math.isfinite(one) and one > 0 for one in q):
-        raise ParameterError(f"sliding_sector: weights = {q} must be {ORDER} positive numbers, the diagonal of Q")
+    if len(q) != _ORDER or not all(math.isfinite(one) and one > 0 for one in q):
+        raise ParameterError(f"sliding_sector: weights = {q} must be {_ORDER} positive numbers, the diagonal of Q")
     if not 0 < ratio < 1:
         raise ParameterError(f"sliding_sector: ratio = {ratio} must lie between 0 and 1, without them; take 0.5, say")
     gain = _sector_gain(q)
-    modes = {i: Mode(f"active[{i}]", "1", f"1 while the control of chain {i} is on") for i in CHAINS}
+    modes = {i: Mode(f"active[{i}]", "1", f"1 while the control of chain {i} is on") for i in ROBOT_CHAINS.numbers}
     surface, width, law = {}, {}, {}
-    for i in CHAINS:
-        e = tracking_error(i)
+    for i in ROBOT_CHAINS.numbers:
+        e = ROBOT_CHAINS.error(i)
         surface[i] = sum(a * b for a, b in zip(gain, e, strict=True))
         width[i] = sum((1 - ratio) * weight * one**2 for weight, one in zip(q, e, strict=True))
         drift = sum(a * b for a, b in zip(gain[:-1], e[1:], strict=True))
         control = -(drift + _K.symbol * surface[i]) / gain[-1]
-        law[i] = symbol(f"zd3[{i}]") + sp.Piecewise((control, sp.Eq(modes[i].symbol, 1)), (0, True))
+        law[i] = ROBOT_CHAINS.feedforward(i) + sp.Piecewise((control, sp.Eq(modes[i].symbol, 1)), (0, True))
     bound = math.sqrt(sum(a**2 / ((1 - ratio) * weight) for a, weight in zip(gain[:-1], q[1:], strict=True)))
     return Block(
         "sliding_sector",
         "variable structure control with a sliding sector",
-        inputs=INPUTS,
+        inputs=ROBOT_CHAINS.inputs,
         parameters=(_K, _INNER),
         modes=tuple(modes.values()),
         outputs=(
-            *outer_inputs(law),
-            *(Output(f"S[{i}]", "m/s3", f"sliding variable of chain {i}", surface[i]) for i in CHAINS),
+            *ROBOT_CHAINS.outer_inputs(law),
+            *(Output(f"S[{i}]", "m/s3", f"sliding variable of chain {i}", surface[i]) for i in ROBOT_CHAINS.numbers),
             *(Output(one.name, one.unit, one.description, one.symbol) for one in modes.values()),
         ),
         transitions=tuple(
@@ -107,6 +107,8 @@ def sliding_sector(weights: Sequence[float] = _WEIGHTS, ratio: float = 0.5) -> B
 
 def _sector_gain(weights: Sequence[float]) -> list[float]:
     """S = b'P of a chain of integrators, P from the Riccati equation with Q = diag(weights) and R = 1."""
-    shift, last = np.eye(ORDER, k=1), np.eye(ORDER)[:, -1:]
+    from scipy.linalg import solve_continuous_are  # here, since it is slow to import
+
+    shift, last = np.eye(_ORDER, k=1), np.eye(_ORDER)[:, -1:]
     P = solve_continuous_are(shift, last, np.diag(weights), np.eye(1))
     return [float(one) for one in P[-1]]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sympy as sp
 
 from brunovsky.blocks.block import Block
-from brunovsky.blocks.units import derivative_unit
-from brunovsky.blocks.variables import TIME, Output, Parameter
+from brunovsky.blocks.library.chains import ROBOT_CHAINS
+from brunovsky.blocks.variables import TIME, Parameter
 
 _PARAMETERS = (
     Parameter("center[1]", "m", "centre of the circle, x"),
@@ -26,13 +26,4 @@ def circle() -> Block:
     center_x, center_y, radius, rate, phase = (one.symbol for one in _PARAMETERS)
     angle = rate * TIME + phase
     position = (center_x + radius * sp.cos(angle), center_y + radius * sp.sin(angle))
-    chains = [
-        Output(f"Z{i}d[{k + 1}]", derivative_unit("m", k), f"reference of z{i}, derivative {k}", sp.diff(z, TIME, k))
-        for i, z in enumerate(position, 1)
-        for k in range(3)
-    ]
-    jerks = [
-        Output(f"zd3[{i}]", "m/s3", f"reference of z{i}, derivative 3", sp.diff(z, TIME, 3))
-        for i, z in enumerate(position, 1)
-    ]
-    return Block("circle", "circular reference", parameters=_PARAMETERS, outputs=(*chains, *jerks))
+    return Block("circle", "circular reference", parameters=_PARAMETERS, outputs=ROBOT_CHAINS.reference(position))

@@ -1,0 +1,6 @@
+"""References for chains, differentiated symbolically as often as the chains are long."""
+
+from brunovsky.blocks.library.references.circle import circle
+from brunovsky.blocks.library.references.set_point import set_point
+
+__all__ = ["circle", "set_point"]
