@@ -268,6 +268,11 @@ def test_sector_refuses_what_its_theory_does_not_cover() -> None:
         br.blocks.sliding_sector(weights=(1.0, float("nan"), 1.0))
     with pytest.raises(ParameterError, match="ratio = 1"):
         br.blocks.sliding_sector(ratio=1.0)
+    for wrong in (5, None, ("a", 1, 1)):
+        with pytest.raises(ParameterError, match="are not numbers"):
+            br.blocks.sliding_sector(weights=wrong)  # type: ignore
+    with pytest.raises(ParameterError, match="no solution of the Riccati equation"):
+        br.blocks.sliding_sector(weights=(1e-300, 1e300, 1.0))
 
 
 # ---- the posture behind flat outputs

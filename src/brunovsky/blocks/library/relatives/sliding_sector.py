@@ -42,7 +42,7 @@ def sliding_sector(weights: Sequence[float] = _WEIGHTS, ratio: float = 0.5) -> B
     Raises
     ------
     ParameterError
-        If ``weights`` or ``ratio`` are out of range.
+        If ``weights`` or ``ratio`` are not numbers in range, or the equation has no solution for them.
 
     References
     ----------
@@ -51,22 +51,18 @@ def sliding_sector(weights: Sequence[float] = _WEIGHTS, ratio: float = 0.5) -> B
     sector for variable structure control, in: Modern Sliding Mode Control Theory, LNCIS 375, Springer 2008, 97-118.
     Their exact law outside the sector could not be had; this one is the standard law of the class.
     """
-    q = [float(one) for one in weights]
-    if len(q) != _ORDER or not all(math.isfinite(one) and one > 0 for one in q):
-        raise ParameterError(f"sliding_sector: weights = {q} must be {_ORDER} positive numbers, the diagonal of Q")
-    if not 0 < ratio < 1:
-        raise ParameterError(f"sliding_sector: ratio = {ratio} must lie between 0 and 1, without them; take 0.5, say")
+    q, share = _checked(weights, ratio)
     gain = _sector_gain(q)
     modes = {i: Mode(f"active[{i}]", "1", f"1 while the control of chain {i} is on") for i in ROBOT_CHAINS.numbers}
     surface, width, law = {}, {}, {}
     for i in ROBOT_CHAINS.numbers:
         e = ROBOT_CHAINS.error(i)
         surface[i] = sum(a * b for a, b in zip(gain, e, strict=True))
-        width[i] = sum((1 - ratio) * weight * one**2 for weight, one in zip(q, e, strict=True))
+        width[i] = sum((1 - share) * weight * one**2 for weight, one in zip(q, e, strict=True))
         drift = sum(a * b for a, b in zip(gain[:-1], e[1:], strict=True))
         control = -(drift + _K.symbol * surface[i]) / gain[-1]
         law[i] = ROBOT_CHAINS.feedforward(i) + sp.Piecewise((control, sp.Eq(modes[i].symbol, 1)), (0, True))
-    bound = math.sqrt(sum(a**2 / ((1 - ratio) * weight) for a, weight in zip(gain[:-1], q[1:], strict=True)))
+    bound = math.sqrt(sum(a**2 / ((1 - share) * weight) for a, weight in zip(gain[:-1], q[1:], strict=True)))
     return Block(
         "sliding_sector",
         "variable structure control with a sliding sector",
@@ -105,10 +101,29 @@ def sliding_sector(weights: Sequence[float] = _WEIGHTS, ratio: float = 0.5) -> B
     )
 
 
+def _checked(weights: Sequence[float], ratio: float) -> tuple[list[float], float]:
+    try:
+        q, share = [float(one) for one in weights], float(ratio)
+    except (TypeError, ValueError):
+        raise ParameterError(f"sliding_sector: weights = {weights!r}, ratio = {ratio!r} are not numbers") from None
+    if len(q) != _ORDER or not all(math.isfinite(one) and one > 0 for one in q):
+        raise ParameterError(f"sliding_sector: weights = {q} must be {_ORDER} positive numbers, the diagonal of Q")
+    if not 0 < share < 1:
+        raise ParameterError(f"sliding_sector: ratio = {share} must lie between 0 and 1, without them; take 0.5, say")
+    return q, share
+
+
 def _sector_gain(weights: Sequence[float]) -> list[float]:
     """S = b'P of a chain of integrators, P from the Riccati equation with Q = diag(weights) and R = 1."""
     from scipy.linalg import solve_continuous_are  # here, since it is slow to import
 
     shift, last = np.eye(_ORDER, k=1), np.eye(_ORDER)[:, -1:]
-    P = solve_continuous_are(shift, last, np.diag(weights), np.eye(1))
+    try:
+        with np.errstate(all="ignore"):
+            P = solve_continuous_are(shift, last, np.diag(weights), np.eye(1))
+    except np.linalg.LinAlgError as error:
+        raise ParameterError(
+            f"sliding_sector: no solution of the Riccati equation for weights = {list(weights)} ({error}); "
+            "choose weights nearer to each other"
+        ) from error
     return [float(one) for one in P[-1]]
