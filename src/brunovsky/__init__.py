@@ -13,7 +13,15 @@ from brunovsky import blocks
 from brunovsky.blocks import Block, Diagram, linearized_block
 from brunovsky.errors import BrunovskyError
 from brunovsky.fmi import component, export_fmu
-from brunovsky.linearization import AffineSystem, Linearization, linearize
+from brunovsky.linearization import (
+    AffineSystem,
+    Linearization,
+    disturbance_map,
+    forecast,
+    gallery,
+    linearize,
+    static_linearizability,
+)
 from brunovsky.native import simulate
 
 if TYPE_CHECKING:
@@ -34,10 +42,14 @@ __all__ = [
     "analysis",
     "blocks",
     "component",
+    "disturbance_map",
     "export_fmu",
+    "forecast",
+    "gallery",
     "linearize",
     "linearized_block",
     "simulate",
+    "static_linearizability",
     "to_control",
 ]
 

@@ -107,6 +107,7 @@ def test_a_system_without_parameters_says_so() -> None:
         ({"inputs": (), "input_matrix": sp.zeros(2, 0)}, r"inputs: there are none"),
         ({"outputs": ()}, r"outputs: there are none"),
         ({"outputs": A}, r"outputs: a is not a sequence"),
+        ({"outputs": (A, B)}, r"outputs: 2 output\(s\) \(a, b\) for 1 input\(s\)"),
         ({"outputs": (A, [B, A])}, r"outputs: .*give scalar expressions"),
         ({"outputs": (A > 0,)}, r"outputs: an entry of \(a > 0,\) is not a scalar"),
         ({"drift": [B]}, r"drift: shape \(1, 1\) where \(2, 1\) is needed; give one expression per state"),

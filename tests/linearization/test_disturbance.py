@@ -111,3 +111,13 @@ def test_arguments_are_checked(robot_map: DisturbanceMap) -> None:
 def robot_like() -> AffineSystem:
     a, u = sp.symbols("a u", real=True)
     return AffineSystem((a, THETA), (u,), [THETA, 0], [0, 1], (a,), (), {D1: [0, sp.sin(THETA) ** 2]})
+
+
+def test_the_map_is_written_on_the_board() -> None:
+    linearization = linearize(nominal_robot())
+    text = disturbance_map(linearization, robot()).explain()
+    assert "d1 enters in derivative 2/3 of output 1, 2/3 of output 2: not matched." in text
+    assert "rho2 enters in derivative 3 of output 1, 3 of output 2: matched; no constant gain bounds it." in text
+    assert "  dZ1_2/dt - Z1_3 = (-d1 - rho1*u1 + u1)*sin(theta)" in text
+    assert r"\dot{d_{1}} \cos{\left(\theta \right)}" in disturbance_map(linearization, robot()).latex()
+    assert "Disturbances\n------------" in linearize(robot().with_parameters({"rho1": 1, "rho2": 1})).explain()

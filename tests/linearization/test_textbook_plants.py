@@ -145,7 +145,6 @@ def test_only_inputs_get_integrators() -> None:
 
 
 UNREACHABLE = AffineSystem((A, B), (U1,), [0, -B], [1, 0], (B,))
-WIDE = AffineSystem((A, B), (U1, U2), [0, 0], sp.eye(2), (A,))
 SUM = AffineSystem((A, B), (U1, U2), [0, 0], [[1, A], [2, 2 * A]], (A, B))
 TWICE = AffineSystem((A, B), (U1, U2), [0, 0], sp.eye(2), (A, A))
 D = sp.Symbol("d", real=True)
@@ -160,7 +159,6 @@ LATER = AffineSystem((A, B, C, D), (U1, U2), [0, C, A, 0], [[1, 0], [1, 0], [1, 
             UNREACHABLE,
             r"before any.*output 1 \(b\) has no finite relative degree: no input \(u1\).*first 2 derivatives",
         ),
-        (WIDE, r"1 output\(s\) for 2 input\(s\)"),
         (SUM, r"before any.*not right-invertible.*the outputs 1, 2 satisfy a differential equation"),
         (TWICE, r"before any.*not right-invertible.*the outputs 1, 2 satisfy a differential equation"),
         (LATER, r"after 2 extension\(s\) \(integrators on u1; w1\): the system is not right-invertible"),

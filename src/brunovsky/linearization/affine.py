@@ -36,8 +36,8 @@ class AffineSystem:
         The drift f(x).
     input_matrix : sympy.ImmutableDenseMatrix, shape (n, m)
         The input vector fields, the columns of G(x).
-    outputs : tuple of sympy.Expr, shape (p,)
-        The outputs h(x).
+    outputs : tuple of sympy.Expr, shape (m,)
+        The outputs h(x), as many as inputs.
     parameters : tuple of sympy.Symbol
         Constants that may occur in all of these.
     disturbances : mapping of sympy.Symbol to sympy.ImmutableDenseMatrix, shape (n, 1)
@@ -46,8 +46,9 @@ class AffineSystem:
     Raises
     ------
     ModelError
-        If shapes do not fit, a name stands twice, or an expression contains an unknown symbol, an input, a
-        disturbance, or something that is not smooth, finite and explicit. The message names the term and the place.
+        If shapes do not fit, there are not as many outputs as inputs, a name stands twice, or an expression contains an
+        unknown symbol, an input, a disturbance, or something that is not smooth, finite and explicit. The message names
+        the term and the place.
 
     References
     ----------
@@ -81,6 +82,11 @@ class AffineSystem:
         for name in ("states", "inputs", "outputs"):
             if not getattr(self, name):
                 raise ModelError(f"{name}: there are none; a system has at least one state, one input and one output")
+        if len(self.outputs) != m:
+            raise ModelError(
+                f"outputs: {len(self.outputs)} output(s) ({', '.join(map(str, self.outputs))}) for {m} input(s); the "
+                "law inverts a square matrix, so choose as many outputs as inputs"
+            )
         per_state = f"one expression per state ({n})"
         self._set("drift", as_matrix(self.drift, (n, 1), "drift", per_state))
         columns = f"a row per state ({n}) and a column per input ({m})"

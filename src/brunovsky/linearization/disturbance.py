@@ -1,20 +1,26 @@
 """Where disturbances and parameter errors enter the chains, and what a switching gain must exceed for them."""
 
-from collections.abc import Mapping, Sequence
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.errors import LinearizationError, ModelError
 from brunovsky.linearization.affine import AffineSystem
-from brunovsky.linearization.linearize import Linearization
+from brunovsky.linearization.board import Equation, Explained, Formula, Heading, Line, Sentence
 from brunovsky.linearization.naming import rate
 from brunovsky.linearization.simplify import tidy
 
+if TYPE_CHECKING:
+    from brunovsky.linearization.linearize import Linearization
+
 
 @dataclass(frozen=True)
-class DisturbanceMap:
+class DisturbanceMap(Explained):
     """What disturbances and parameter errors add to each link of each chain under the nominal law.
 
     Parameters
@@ -53,6 +59,30 @@ class DisturbanceMap:
         """Sources that multiply an input, which the outer loop drives: no constant switching gain bounds them."""
         parts = [part for chain in self.model for part in chain]
         return tuple(one for one in self.sources if any(sp.diff(part, one).has(*self.inputs) for part in parts))
+
+    def lines(self) -> Iterator[Line]:
+        """Yield the lines that `explain`, `latex` and notebooks show."""
+        yield Heading("Disturbances")
+        yield Sentence("Under the law, with chains computed from the nominal model, these are added:")
+        for i, chain in enumerate(self.model, 1):
+            for k, part in enumerate(chain, 1):
+                if part != 0:
+                    yield Equation(_excess(i, k, len(chain)), part)
+        for source in self.sources:
+            orders = self.orders(source)
+            if not any(orders):
+                yield Sentence("{} does not reach the chains.", (source,))
+                continue
+            places = ", ".join(f"{'/'.join(map(str, one))} of output {i}" for i, one in enumerate(orders, 1) if one)
+            verdict = "matched" if self.is_matched(source) else "not matched"
+            bound = "; no constant gain bounds it" if source in self.gain_errors else ""
+            yield Sentence(f"{{}} enters in derivative {places}: {verdict}{bound}.", (source,))
+        if any(part != 0 for part in self.measured):
+            yield Sentence("With the derivatives of the outputs measured instead, all of it is matched:")
+        for i, (part, chain) in enumerate(zip(self.measured, self.model, strict=True), 1):
+            if part != 0:
+                r = len(chain)
+                yield Equation(Formula(f"y{i}^({r}) - v{i}", rf"y_{{{i}}}^{{({r})}} - v_{{{i}}}"), part)
 
     def switching_gain_bounds(
         self,
@@ -158,6 +188,12 @@ def disturbance_map(linearization: Linearization, plant: AffineSystem | None = N
         measured.append(tidy(total))
     used = {one: name for one, name in rates.items() if any(part.has(name) for part in measured)}
     return DisturbanceMap(sources, model, tuple(measured), FrozenMapping(used), extended.inputs)
+
+
+def _excess(i: int, k: int, order: int) -> Formula:
+    """What the rate of an element of a chain has beyond the next element, or beyond v."""
+    plain, latex = (f"v{i}", f"v_{{{i}}}") if k == order else (f"Z{i}_{k + 1}", f"Z_{{{i},{k + 1}}}")
+    return Formula(f"dZ{i}_{k}/dt - {plain}", rf"\dot{{Z}}_{{{i},{k}}} - {latex}")
 
 
 def _bound(

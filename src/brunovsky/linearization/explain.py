@@ -1,91 +1,22 @@
-"""The derivation step by step, as on the board: one list of sentences and equations, rendered three ways."""
+"""The derivation step by step, as on the board."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
-from sympy.printing.str import StrPrinter
 
 from brunovsky.linearization.affine import AffineSystem
+from brunovsky.linearization.board import Equation, Formula, Heading, Line, Sentence, name, rate
+from brunovsky.linearization.board import latex as _latex
+from brunovsky.linearization.disturbance import disturbance_map
 from brunovsky.linearization.input_transformation import InputTransformation
 from brunovsky.linearization.relative_degree import OutputDerivatives
 from brunovsky.linearization.zero_dynamics import ZeroDynamics
 
 if TYPE_CHECKING:
     from brunovsky.linearization.linearize import Linearization
-
-
-@dataclass(frozen=True)
-class Heading:
-    """Title of a step."""
-
-    title: str
-
-
-@dataclass(frozen=True)
-class Formula:
-    """A formula that SymPy does not print, in plain text and in LaTeX."""
-
-    plain: str
-    latex: str
-
-
-@dataclass(frozen=True)
-class Sentence:
-    """Prose with a ``{}`` for each of its arguments (formulas, SymPy objects, numbers, tuples of these)."""
-
-    template: str
-    arguments: tuple[Any, ...] = ()
-
-
-@dataclass(frozen=True)
-class Equation:
-    """A displayed equation."""
-
-    left: Formula
-    right: Any
-
-
-Line = Heading | Sentence | Equation
-
-
-def as_text(linearization: Linearization) -> str:
-    """Render the derivation as plain ASCII text."""
-    blocks = []
-    for line in derivation(linearization):
-        if isinstance(line, Heading):
-            blocks.append(f"\n{line.title}\n{'-' * len(line.title)}")
-        elif isinstance(line, Sentence):
-            blocks.append(line.template.format(*map(_plain, line.arguments)))
-        else:
-            left = f"  {line.left.plain} = "
-            blocks.append(left + _plain(line.right).replace("\n", "\n" + " " * len(left)))
-    return "\n".join(blocks).lstrip("\n") + "\n"
-
-
-def as_latex(linearization: Linearization) -> str:
-    r"""Render the derivation as a LaTeX fragment: ``\paragraph`` titles, prose and ``\[ … \]`` displays."""
-    return _with_mathematics(linearization, "\\paragraph{{{}}}", "\\[ {} \\]")
-
-
-def as_markdown(linearization: Linearization) -> str:
-    """Render the derivation as Markdown with dollar mathematics, for notebooks."""
-    return _with_mathematics(linearization, "### {}", "$$ {} $$")
-
-
-def _with_mathematics(linearization: Linearization, heading: str, display: str) -> str:
-    blocks = []
-    for line in derivation(linearization):
-        if isinstance(line, Heading):
-            blocks.append(heading.format(line.title))
-        elif isinstance(line, Sentence):
-            blocks.append(line.template.format(*(f"${_latex(argument)}$" for argument in line.arguments)))
-        else:
-            blocks.append(display.format(f"{line.left.latex} = {_latex(line.right)}"))
-    return "\n\n".join(blocks) + "\n"
 
 
 def derivation(linearization: Linearization) -> Iterator[Line]:
@@ -106,12 +37,14 @@ def derivation(linearization: Linearization) -> Iterator[Line]:
         yield Heading("Dynamic extension")
         yield Sentence("An integrator in front of {}: a state now, its derivative an input.", (step.delayed,))
         for old, new in zip(step.delayed, step.inputs, strict=True):
-            yield Equation(_rate(old), new)
+            yield Equation(rate(old), new)
     yield from _derivatives(linearization.extended_system, linearization.extension.derivatives)
     yield Equation(Formula("det G", r"\det G"), linearization.determinant)
     yield from _law(linearization)
     if linearization.zero_dynamics:
         yield from _zero_dynamics(linearization.zero_dynamics)
+    if system.disturbances:
+        yield from disturbance_map(linearization).lines()
 
 
 def _system(system: AffineSystem) -> Iterator[Line]:
@@ -121,7 +54,7 @@ def _system(system: AffineSystem) -> Iterator[Line]:
         yield Equation(_lie(index, 0), output)
     yield Sentence("Dynamics:")
     for state, derivative in zip(system.states, system.dynamics, strict=True):
-        yield Equation(_rate(state), derivative)
+        yield Equation(rate(state), derivative)
     if system.disturbances:
         yield Sentence("In what follows {} = 0: the law does not know the disturbances.", (tuple(system.disturbances),))
 
@@ -145,7 +78,7 @@ def _transformation(transformation: InputTransformation) -> Iterator[Line]:
     yield Heading("Transformation of the inputs")
     yield Sentence("The combinations become inputs, in the place of {}:", (tuple(transformation.replaced),))
     for symbol, expression in (*transformation.combinations.items(), *transformation.replaced.items()):
-        yield Equation(_name(symbol), expression)
+        yield Equation(name(symbol), expression)
     if transformation.determinant.free_symbols:
         yield Sentence("It is regular where {} is not zero.", (transformation.determinant,))
 
@@ -155,7 +88,7 @@ def _zero_dynamics(zero: ZeroDynamics) -> Iterator[Line]:
     free_of = "the derivatives contain no input" if zero.input_free else "the derivatives contain inputs"
     yield Sentence(f"The chains are completed to coordinates, generically, by functions of which {free_of}:")
     for symbol, expression in zero.coordinates.items():
-        yield Equation(_name(symbol), expression)
+        yield Equation(name(symbol), expression)
     if zero.field is None:
         yield Sentence("How these move while the outputs are constant was not found in closed form.")
         return
@@ -163,7 +96,7 @@ def _zero_dynamics(zero: ZeroDynamics) -> Iterator[Line]:
         yield Sentence("On the branch where these are positive: {}.", (zero.normal_form.branch,))
     yield Sentence("With the outputs kept at the constants {} they obey", (zero.constants,))
     for symbol, slope in zip(zero.coordinates, zero.field, strict=True):
-        yield Equation(_rate(symbol), slope)
+        yield Equation(rate(symbol), slope)
     yield Sentence("The linearised plant is minimum phase at an equilibrium where these are asymptotically stable.")
 
 
@@ -172,12 +105,12 @@ def _law(linearization: Linearization) -> Iterator[Line]:
     inverse = Formula("u = G^-1 (v - F)", "u = G^{-1} (v - F)")
     yield Sentence("{} with the outer inputs {}:", (inverse, linearization.outer_inputs))
     for symbol, expression in linearization.law.items():
-        yield Equation(_name(symbol), expression)
+        yield Equation(name(symbol), expression)
     moved = {symbol: u for symbol, u in linearization.input_map.items() if not u.is_Symbol}
     if moved:
         yield Sentence("The inputs of the plant that are none of the extended system's follow from these:")
     for symbol, expression in moved.items():
-        yield Equation(_name(symbol), expression)
+        yield Equation(name(symbol), expression)
     locus = linearization.singular_locus
     if locus == sp.false:
         yield Sentence("It exists wherever F and G do.")
@@ -188,14 +121,6 @@ def _law(linearization: Linearization) -> Iterator[Line]:
     yield Sentence(f"The total relative degree is {{}}, the number of states {{}}: {kind}.", (total, count))
 
 
-def _name(symbol: sp.Symbol) -> Formula:
-    return Formula(str(symbol), sp.latex(symbol))
-
-
-def _rate(symbol: sp.Symbol) -> Formula:
-    return Formula(f"d{symbol}/dt", rf"\dot{{{sp.latex(symbol)}}}")
-
-
 def _lie(index: int, order: int, symbol: sp.Symbol | None = None) -> Formula:
     """L_g L_f^k h_i, with g the vector field of the input symbol; without it L_f^k h_i."""
     plain, latex = f"h{index + 1}", f"h_{{{index + 1}}}"
@@ -204,21 +129,5 @@ def _lie(index: int, order: int, symbol: sp.Symbol | None = None) -> Formula:
         plain = f"L_f{f'^{order}' if power else ''} {plain}"
         latex = f"L_{{f}}{f'^{{{order}}}' if power else ''} {latex}"
     if symbol is not None:
-        plain, latex = f"L_g({symbol}) {plain}", f"L_{{g({sp.latex(symbol)})}} {latex}"
+        plain, latex = f"L_g({symbol}) {plain}", f"L_{{g({_latex(symbol)})}} {latex}"
     return Formula(plain, latex)
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, Formula):
-        return value.plain
-    if isinstance(value, tuple):
-        return ", ".join(map(_plain, value))
-    if isinstance(value, sp.MatrixBase):
-        return str(value.table(StrPrinter(), colsep="  "))
-    return f"{value.lhs} = {value.rhs}" if isinstance(value, sp.Eq) else str(value)
-
-
-def _latex(value: Any) -> str:
-    if isinstance(value, Formula):
-        return value.latex
-    return ", ".join(map(_latex, value)) if isinstance(value, tuple) else str(sp.latex(value))

@@ -1,6 +1,6 @@
 """The linearising law: u = G^-1 (v - F), after dynamic extension where it is needed."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,8 +9,9 @@ import sympy as sp
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.errors import LinearizationError, ModelError
-from brunovsky.linearization import explain as _explain
 from brunovsky.linearization.affine import AffineSystem
+from brunovsky.linearization.board import Explained, Line
+from brunovsky.linearization.explain import derivation
 from brunovsky.linearization.extension import Extension, extend
 from brunovsky.linearization.naming import outer_inputs
 from brunovsky.linearization.normal_form import NormalForm, find_normal_form
@@ -23,7 +24,7 @@ from brunovsky.linearization.zero_dynamics import ZeroDynamics, find_zero_dynami
 
 
 @dataclass(frozen=True, repr=False)
-class Linearization:
+class Linearization(Explained):
     """A plant, its dynamic extension and the law that turns it into chains of integrators y_i^(r_i) = v_i.
 
     With y^(r) = F(x) + G(x) u of the extended system, the law is u = G(x)^-1 (v - F(x)).
@@ -139,16 +140,9 @@ class Linearization:
         full = "full" if self.is_full else "not full"
         return f"<Linearization: relative degree {self.relative_degree}, det G = {self.determinant}, {full}>"
 
-    def explain(self) -> str:
-        """Return the derivation step by step, as on the board, as plain text."""
-        return _explain.as_text(self)
-
-    def latex(self) -> str:
-        """Return the same derivation as a LaTeX fragment (paragraphs and displayed equations; needs amsmath)."""
-        return _explain.as_latex(self)
-
-    def _repr_markdown_(self) -> str:
-        return _explain.as_markdown(self)
+    def lines(self) -> Iterable[Line]:
+        """Yield the lines that `explain`, `latex` and notebooks show."""
+        return derivation(self)
 
 
 def linearize(
@@ -162,7 +156,7 @@ def linearize(
     Parameters
     ----------
     system : AffineSystem
-        The plant, with as many outputs as inputs. Its disturbances are taken as zero; uncertain parameters should be
+        The plant. Its disturbances are taken as zero; uncertain parameters should be
         set to their nominal values first (`AffineSystem.with_parameters`).
     operating_point : mapping of sympy.Symbol or str to number, optional
         Values of states of the extended system and of parameters, in their units. If given, the law must exist
@@ -178,7 +172,7 @@ def linearize(
     Raises
     ------
     LinearizationError
-        If the plant is not square, an output has no finite relative degree, the decoupling matrix stays singular, or
+        If an output has no finite relative degree, the decoupling matrix stays singular, or
         it is singular at the operating point. The message says why and after which step.
     ParameterError
         If the operating point names something else than a state or parameter, or a value is not finite.
@@ -228,12 +222,6 @@ def _check_arguments(system: AffineSystem, max_extensions: int) -> None:
         raise ModelError(f"{system!r} is not an AffineSystem; make one of states, inputs, drift, input_matrix, outputs")
     if max_extensions < 0:
         raise ModelError(f"max_extensions is {max_extensions}; give 0, 1, 2, …")
-    inputs, outputs = len(system.inputs), len(system.outputs)
-    if inputs != outputs:
-        raise LinearizationError(
-            f"before any derivative: {outputs} output(s) for {inputs} input(s); the law inverts a square matrix, "
-            "so choose as many outputs as inputs"
-        )
 
 
 def _check_operating_point(linearization: Linearization, operating_point: Mapping[sp.Symbol | str, Any]) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,21 +11,23 @@ import sympy as sp
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.errors import LinearizationError
-from brunovsky.linearization.naming import rate
+from brunovsky.linearization.board import Equation, Explained, Formula, Heading, Line, Sentence, definitions, formula
+from brunovsky.linearization.elimination import left_null
 from brunovsky.linearization.numeric import point_of
+from brunovsky.linearization.passage import Passage, derivatives_at
 from brunovsky.linearization.rank import generic_rank
-from brunovsky.linearization.simplify import factored, tidy
+from brunovsky.linearization.simplify import tidy
 
 if TYPE_CHECKING:
     from brunovsky.linearization.linearize import Linearization
 
 
 @dataclass(frozen=True)
-class RegularStart:
+class RegularStart(Explained):
     """Conditions under which outputs pass a singular point of the law smoothly, and the inputs with which they do.
 
-    All hold at the one instant of the point. The symbols of the reference are the chain coordinates Zi_k (its
-    derivatives below r_i), v (its r_i-th) and `rates` (one more).
+    All hold at the one instant of the point, and are necessary. The symbols of the reference are the chain coordinates
+    Zi_k (its derivatives below r_i), v (its r_i-th) and `derivatives` (the following ones).
 
     Parameters
     ----------
@@ -33,18 +36,21 @@ class RegularStart:
     chains : mapping of sympy.Symbol to sympy.Expr
         The derivatives below r_i at the point, in the free states: the reference has to begin with them.
     conditions : tuple of sympy.Eq
-        What the reference has to satisfy for that and for y^(r) = F + G u to be solvable.
+        What the reference has to satisfy for that and for y^(r) = F + G u to be solvable. One that contains a free
+        state that is neither in `chains` nor in another condition determines it, with several branches.
     states : mapping of sympy.Symbol to sympy.Expr
-        Free states that the reference determines.
+        Free states that the reference determines, in it and in other free states; an angle of which the tangent is
+        determined is an arc tangent, modulo pi.
     inputs : mapping of sympy.Symbol to sympy.Expr
-        The inputs of the extended system: where G is regular from y^(r), else from its derivative, the limit of the
-        law along the trajectory.
+        The inputs of the extended system in the states and the reference: where G is regular from y^(r), else from
+        its derivatives, the limit of the law along the trajectory.
     equations : tuple of sympy.Eq
-        Equations that are left for inputs that are not in `inputs`, where they are not linear.
+        Equations that are left for inputs that are not in `inputs`, where they are not linear; each of their branches
+        is a passage.
     nonzero : tuple of sympy.Expr
         What must not vanish.
-    rates : tuple of sympy.Symbol
-        The derivatives of v.
+    derivatives : tuple of tuples of sympy.Symbol
+        Per order the derivatives of v that matter: v', v'', ...; as many as y^(r) = F + G u was differentiated.
     """
 
     point: Mapping[sp.Symbol, sp.Expr]
@@ -54,15 +60,45 @@ class RegularStart:
     inputs: Mapping[sp.Symbol, sp.Expr]
     equations: tuple[sp.Eq, ...]
     nonzero: tuple[sp.Expr, ...]
-    rates: tuple[sp.Symbol, ...]
+    derivatives: tuple[tuple[sp.Symbol, ...], ...]
+
+    @property
+    def rates(self) -> tuple[sp.Symbol, ...]:
+        """The first derivatives of v."""
+        return self.derivatives[0]
+
+    def lines(self) -> Iterator[Line]:
+        """Yield the lines that `explain`, `latex` and notebooks show."""
+        """Yield what a passage of a singular point needs."""
+        yield Heading(f"Regular start at {_listed(self.point)}")
+        highest = Formula("y^(r) = F + G u", "y^{(r)} = F + G u")
+        yield Sentence("Derivatives of {} along the trajectory that were needed: {}.", (highest, len(self.derivatives)))
+        yield Sentence("The reference begins with")
+        yield from definitions(self.chains)
+        if self.conditions:
+            yield Sentence("It satisfies")
+            yield from (Equation(formula(one.lhs), formula(one.rhs)) for one in self.conditions)
+        if self.states:
+            yield Sentence("It determines the states")
+            yield from definitions(self.states)
+        yield Sentence("The inputs are" if self.inputs else "The inputs are solutions of")
+        yield from definitions(self.inputs)
+        if self.inputs and self.equations:
+            yield Sentence("and the others solutions of")
+        yield from (Equation(formula(one.lhs), formula(one.rhs)) for one in self.equations)
+        if self.nonzero:
+            yield Sentence("None of these may vanish: {}.", (self.nonzero,))
 
 
 def regular_start(linearization: Linearization, point: Mapping[sp.Symbol | str, Any]) -> RegularStart:
     """Derive when a trajectory passes a singular point of the law smoothly.
 
-    Where G is singular with left null vectors L, y^(r) = F + G u has a solution only if L (y^(r) - F) = 0. What that
-    leaves open of u follows from the derivative along the trajectory, L (y^(r) - F - G u)' = 0, in which the
-    derivatives of u have the coefficient L G = 0.
+    Along a trajectory E = y^(r) - F - G u vanishes identically, so all its derivatives vanish at the point. In the k-th
+    the k-th derivative of u has the coefficient G: where G is singular with left null vectors L, L E^(k) = 0 is an
+    equation for what the derivatives below have left open. These are eliminated from the highest derivative of u
+    down, order by order, until u itself is determined; equations that contain no input are conditions on the reference
+    or determine free states. As many derivatives are tried as the extended system has states: a linear system can be
+    inverted with so many or not at all, and what is of higher order at a singular point is refused.
 
     Parameters
     ----------
@@ -80,59 +116,58 @@ def regular_start(linearization: Linearization, point: Mapping[sp.Symbol | str, 
     Raises
     ------
     LinearizationError
-        If the law is regular at the point, not finite there, or the first derivative does not determine the inputs.
+        If the law is regular at the point, not finite there, or the derivatives do not determine the inputs.
     ParameterError
         If the point names something else than a state or a parameter.
 
     References
     ----------
-    The elimination is that of differential-algebraic equations of higher index: E. Hairer and G. Wanner, *Solving
-    Ordinary Differential Equations II*, 2nd ed., 1996, section VII.1, doi:10.1007/978-3-642-05221-7.
+    R. M. Hirschorn, "Invertibility of multivariable nonlinear control systems", IEEE Trans. Autom. Control 24(6),
+    855-865, 1979; L. M. Silverman, "Inversion of multivariable linear systems", IEEE Trans. Autom. Control 14(3),
+    270-276, 1969 (the bound). The elimination is that of differential-algebraic equations of higher index: E. Hairer
+    and G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., 1996, section VII.1,
+    doi:10.1007/978-3-642-05221-7.
     """
     extended = linearization.extended_system
     fixed = point_of(extended, point)
-    drift, gains = linearization.drift_term.subs(fixed), linearization.decoupling_matrix.subs(fixed)
-    _check(linearization, drift, gains, fixed)
+    _check(linearization, fixed)
     chains = {
         name: tidy(function.subs(fixed))
         for names, functions in zip(linearization.normal_form.chains, linearization.chains, strict=True)
         for name, function in zip(names, functions, strict=True)
     }
     states, conditions = _compensator(linearization, chains, fixed)
-    left = _left_null(gains.applyfunc(tidy))
-    v = sp.Matrix(linearization.outer_inputs)
-    nonzero: list[sp.Expr] = []
-    for condition in (left * (v - drift)).applyfunc(tidy):
-        solved = _solve_for_a_state(condition, [s for s in extended.states if s not in {*fixed, *states}])
-        if solved is None:
-            conditions.append(sp.Eq(condition, 0))
-        else:
-            symbol, value, factors = solved
-            states[symbol] = value
-            nonzero += factors
-    if sp.false in conditions:
-        raise LinearizationError(f"at {_shown(fixed)} y^(r) = F + G u has no solution: nothing passes it smoothly")
-    taken = {
-        str(one) for one in (*extended.states, *extended.inputs, *extended.parameters, *linearization.outer_inputs)
-    }
-    rates = tuple(rate(one, taken) for one in linearization.outer_inputs)
-    inputs, equations, factors = _inputs(linearization, fixed, left, rates)
+    free = [symbol for symbol in extended.states if symbol not in fixed]
+    passage = Passage(free, chains, conditions, states)
+    inputs: list[tuple[sp.Symbol, ...]] = []
+    reference: list[tuple[sp.Symbol, ...]] = []
+    for rows, u, v in itertools.islice(derivatives_at(linearization, fixed), len(extended.states) + 1):
+        inputs.append(u)
+        reference.append(v)
+        passage.add(rows, inputs, v)
+        if passage.is_determined(inputs):
+            break
+    else:
+        unknown = ", ".join(str(symbol) for symbol in inputs[0] if symbol not in passage.known)
+        raise LinearizationError(
+            f"at {_listed(fixed)} the derivatives of y^(r) up to order {len(extended.states)} do not determine "
+            f"{unknown}: nothing is known of a smooth passage; leave more states free"
+        )
     return RegularStart(
         point=FrozenMapping(fixed),
         chains=FrozenMapping(chains),
-        conditions=tuple(one for one in conditions if one != sp.true),
-        states=FrozenMapping(states),
-        inputs=FrozenMapping(inputs),
-        equations=equations,
-        nonzero=tuple(dict.fromkeys([*nonzero, *factors])),
-        rates=rates,
+        conditions=tuple(one for one in passage.conditions if one != sp.true),
+        states=FrozenMapping(passage.states),
+        inputs=FrozenMapping({u: tidy(passage.known[u]) for u in inputs[0] if u in passage.known}),
+        equations=tuple(sp.Eq(row, 0) for row in passage.pending),
+        nonzero=tuple(dict.fromkeys(passage.nonzero)),
+        derivatives=tuple(reference[1:]),
     )
 
 
-def _check(
-    linearization: Linearization, drift: sp.Matrix, gains: sp.Matrix, fixed: Mapping[sp.Symbol, sp.Expr]
-) -> None:
-    place = f"at {_shown(fixed)}"
+def _check(linearization: Linearization, fixed: Mapping[sp.Symbol, sp.Expr]) -> None:
+    drift, gains = linearization.drift_term.subs(fixed), linearization.decoupling_matrix.subs(fixed)
+    place = f"at {_listed(fixed)}"
     field = linearization.extended_system.dynamics.subs(fixed)
     if any(part.has(sp.nan, sp.zoo, sp.oo, -sp.oo) for part in (drift, gains, field)):
         raise LinearizationError(f"{place} the extended system is not finite, so no trajectory passes it smoothly")
@@ -157,71 +192,10 @@ def _compensator(
     right = sp.Matrix([name - value.subs(dict.fromkeys(own, 0)) for name, value in involved.items()])
     normal = (slopes.T * slopes).applyfunc(tidy)
     solution = normal.adjugate() * slopes.T * right / normal.det(method="berkowitz")
-    conditions += [sp.Eq(condition, 0) for condition in (_left_null(slopes) * right).applyfunc(tidy)]
+    conditions += [sp.Eq(condition, 0) for condition in (left_null(slopes) * right).applyfunc(tidy)]
     return {symbol: tidy(value) for symbol, value in zip(own, solution, strict=True)}, conditions
 
 
-def _shown(fixed: Mapping[sp.Symbol, sp.Expr]) -> str:
-    return ", ".join(f"{symbol} = {value}" for symbol, value in fixed.items())
-
-
-def _left_null(matrix: sp.Matrix) -> sp.Matrix:
-    vectors = matrix.T.nullspace(simplify=tidy)
-    scaled = [v * sp.lcm_list([sp.fraction(sp.together(entry))[1] for entry in v]) for v in vectors]
-    return sp.Matrix([list(vector.applyfunc(tidy)) for vector in scaled])
-
-
-def _solve_for_a_state(
-    condition: sp.Expr, candidates: Sequence[sp.Symbol]
-) -> tuple[sp.Symbol, sp.Expr, list[sp.Expr]] | None:
-    for symbol in candidates:
-        slope = tidy(sp.diff(condition, symbol))
-        if slope != 0 and not slope.has(symbol):
-            value = tidy(-condition.subs(symbol, 0) / slope)
-            return symbol, value, _may_vanish(slope)
-    return None
-
-
-def _may_vanish(expression: sp.Expr) -> list[sp.Expr]:
-    factors = sp.factor_list(sp.fraction(factored(expression))[0])[1]
-    return [factor for factor, _ in factors if not factor.is_nonzero]
-
-
-def _inputs(
-    linearization: Linearization, fixed: Mapping[sp.Symbol, sp.Expr], left: sp.Matrix, rates: Sequence[sp.Symbol]
-) -> tuple[dict[sp.Symbol, sp.Expr], tuple[sp.Eq, ...], list[sp.Expr]]:
-    """Inputs from y^(r) where G lets them be found, the others from its derivative along the trajectory."""
-    system = linearization.extended_system
-    u, v = sp.Matrix(system.inputs), sp.Matrix(linearization.outer_inputs)
-    gains = linearization.decoupling_matrix.subs(fixed).applyfunc(tidy)
-    drift = linearization.drift_term.subs(fixed)
-    pivots: list[int] = []
-    for column in reversed(range(gains.cols)):
-        if generic_rank(gains[:, [*pivots, column]]) > len(pivots):
-            pivots.insert(0, column)
-    others = [column for column in range(gains.cols) if column not in pivots]
-    inputs: dict[sp.Symbol, sp.Expr] = {}
-    if pivots:
-        chosen = gains[:, pivots]
-        normal = (chosen.T * chosen).applyfunc(tidy)
-        right = chosen.T * (v - drift - gains[:, others] * u.extract(others, [0]))
-        found = normal.adjugate() * right / normal.det(method="berkowitz")
-        inputs = {u[column]: tidy(value) for column, value in zip(pivots, found, strict=True)}
-    highest = linearization.drift_term + linearization.decoupling_matrix * u
-    moving = system.drift + system.input_matrix * u
-    derivative = (highest.jacobian(sp.Matrix(system.states)) * moving).subs(fixed)
-    remaining = (left * (sp.Matrix(rates) - derivative)).xreplace(inputs).applyfunc(tidy)
-    unknown = [u[column] for column in others]
-    slopes = remaining.jacobian(unknown).applyfunc(tidy)
-    if slopes.has(*unknown):
-        return inputs, tuple(sp.Eq(equation, 0) for equation in remaining), []
-    determinant = factored(slopes.det(method="berkowitz"))
-    if determinant == 0:
-        raise LinearizationError(
-            f"at {_shown(fixed)} the first derivative of y^(r) "
-            f"does not determine {', '.join(map(str, unknown))}; leave more states free"
-        )
-    solved = slopes.adjugate() * -remaining.subs(dict.fromkeys(unknown, 0)) / determinant
-    free = {symbol: tidy(value) for symbol, value in zip(unknown, solved, strict=True)}
-    inputs = {symbol: tidy(value.xreplace(free)) for symbol, value in inputs.items()} | free
-    return {symbol: inputs[symbol] for symbol in u}, (), _may_vanish(determinant)
+def _listed(point: Mapping[sp.Symbol, sp.Expr]) -> str:
+    """Values of a point as text."""
+    return ", ".join(f"{symbol} = {value}" for symbol, value in point.items())

@@ -1,13 +1,14 @@
 """Whether static state feedback linearises a system exactly: with some output, without an extension."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
 from brunovsky.linearization.affine import AffineSystem
+from brunovsky.linearization.board import Explained, Formula, Heading, Line, Sentence, text
 from brunovsky.linearization.lie import lie_bracket
 from brunovsky.linearization.numeric import point_of
 from brunovsky.linearization.rank import generic_rank
@@ -15,7 +16,7 @@ from brunovsky.linearization.simplify import tidy
 
 
 @dataclass(frozen=True)
-class StaticLinearizability:
+class StaticLinearizability(Explained):
     """Answer to the question whether static feedback and a change of coordinates make a system linear, and why.
 
     Parameters
@@ -39,14 +40,17 @@ class StaticLinearizability:
     involutive: tuple[bool, ...]
     controllability_indices: tuple[int, ...] = ()
 
-    def explain(self) -> str:
-        """Return the distributions with their ranks and the answer as plain text."""
-        lines = [
-            f"G_{i} = span{{ad_f^k g_j, k <= {i}}}: rank {rank}, {'' if closed else 'not '}involutive"
-            for i, (rank, closed) in enumerate(zip(self.ranks, self.involutive, strict=True))
-        ]
+    def lines(self) -> Iterator[Line]:
+        """Yield the lines that `explain`, `latex` and notebooks show."""
+        yield Heading("Static feedback linearisation")
+        for i, (rank, closed) in enumerate(zip(self.ranks, self.involutive, strict=True)):
+            fields = Formula(
+                f"G_{i} = span{{ad_f^k g_j, k <= {i}}}",
+                rf"G_{{{i}}} = \mathrm{{span}}\{{\mathrm{{ad}}_f^k g_j, k \le {i}\}}",
+            )
+            yield Sentence(f"{{}}: rank {rank}, {'' if closed else 'not '}involutive", (fields,))
         verdict = "Exactly linearisable" if self.answer else "Not exactly linearisable"
-        return "\n".join([*lines, f"{verdict} by static feedback: {self.reason}."]) + "\n"
+        yield Sentence(f"{verdict} by static feedback: {{}}.", (text(self.reason),))
 
 
 def static_linearizability(

@@ -39,8 +39,8 @@ def _pvtol(outputs: str, thrust_offset: bool) -> AffineSystem:
 def pvtol_centre() -> AffineSystem:
     """Planar vertical take-off aircraft with coupling, outputs at the centre of mass.
 
-    Relative degree (2, 2) without an integrator and det G = -epsilon, but not full: the zero dynamics are those of a
-    pendulum, not minimum phase.
+    Relative degree (2, 2) without an integrator and det G = -epsilon, but not full: the zero dynamics are those of an
+    inverted pendulum, epsilon theta'' = sin(theta), with eigenvalues +-1/sqrt(epsilon) at hover: not minimum phase.
 
     References
     ----------

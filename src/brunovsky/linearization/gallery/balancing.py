@@ -28,7 +28,7 @@ def cart_pole() -> AffineSystem:
     """Inverted pendulum on a cart; theta = 0 is upright.
 
     Output is the cart's position; relative degree 2 without an integrator, nowhere singular, not full: the pendulum is
-    left.
+    left, l theta'' = g sin(theta), with eigenvalues +-sqrt(g/l) upright: not minimum phase.
 
     References
     ----------
