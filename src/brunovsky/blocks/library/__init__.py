@@ -5,18 +5,34 @@ from brunovsky.blocks.library.closed_loop import closed_loop
 from brunovsky.blocks.library.errors import errors
 from brunovsky.blocks.library.outer_loops import pole_placement, sliding_mode
 from brunovsky.blocks.library.references import circle, set_point
+from brunovsky.blocks.library.relatives import (
+    backstepping,
+    flat_sliding_mode,
+    polar_sliding_mode,
+    posture_loop,
+    posture_reference,
+    second_order_sliding_mode,
+    sliding_sector,
+)
 from brunovsky.blocks.library.robot import linearized_robot, robot, robot_linearization, robot_system
 
 __all__ = [
     "Chains",
+    "backstepping",
     "circle",
     "closed_loop",
     "errors",
+    "flat_sliding_mode",
     "linearized_robot",
+    "polar_sliding_mode",
     "pole_placement",
+    "posture_loop",
+    "posture_reference",
     "robot",
     "robot_linearization",
     "robot_system",
+    "second_order_sliding_mode",
     "set_point",
     "sliding_mode",
+    "sliding_sector",
 ]
