@@ -1,8 +1,8 @@
 """Linear and sliding-mode analysis of the Brunovsky chains, in python-control's own objects.
 
-`integrator_chains` holds the plants, `design` gains and surfaces, `robustness` the margins of the linear loop,
-`sliding` the bounds of the switching law; they work on gains and surfaces alone, for chains of any order. `system`
-hands a whole block to python-control.
+`integrator_chains` holds the plants, `design` and `optimal` gains and surfaces, `robustness` the margins of the linear
+loop, `sliding` the bounds of the switching law, `reaching` its reaching times and the relay's cycle; they work on
+gains and surfaces alone, for chains of any order. `system` hands a whole block to python-control.
 """
 
 from brunovsky.analysis.design import (
@@ -14,11 +14,12 @@ from brunovsky.analysis.design import (
     surface_poles,
 )
 from brunovsky.analysis.integrator_chains import chain, chains, error_dynamics
+from brunovsky.analysis.optimal import lqr_gain, surface_from_cost
+from brunovsky.analysis.reaching import RelayCycle, reaching_time, relay_cycle
 from brunovsky.analysis.robustness import Margins, lag_margin, loop_transfer, margins
 from brunovsky.analysis.sliding import (
     forward_disturbance_bound,
     matched_disturbance_bound,
-    reaching_time,
     unmatched_residual,
     yaw_disturbance_bound,
 )
@@ -26,6 +27,7 @@ from brunovsky.analysis.system import to_control
 
 __all__ = [
     "Margins",
+    "RelayCycle",
     "boundary_layer_gain",
     "chain",
     "chains",
@@ -34,11 +36,14 @@ __all__ = [
     "forward_disturbance_bound",
     "lag_margin",
     "loop_transfer",
+    "lqr_gain",
     "margins",
     "matched_disturbance_bound",
     "place",
     "reaching_time",
+    "relay_cycle",
     "sliding_gain",
+    "surface_from_cost",
     "surface_from_poles",
     "surface_poles",
     "to_control",

@@ -7,7 +7,9 @@ from brunovsky.blocks.library import (
     Chains,
     circle,
     closed_loop,
+    disturbance_observer,
     errors,
+    integral_sliding_mode,
     linearized_robot,
     pole_placement,
     robot,
@@ -15,6 +17,7 @@ from brunovsky.blocks.library import (
     robot_system,
     set_point,
     sliding_mode,
+    sliding_mode_relay,
 )
 from brunovsky.blocks.linearized import inner_loop, linearized_block, plant_block
 from brunovsky.blocks.variables import (
@@ -51,8 +54,10 @@ __all__ = [
     "Variable",
     "circle",
     "closed_loop",
+    "disturbance_observer",
     "errors",
     "inner_loop",
+    "integral_sliding_mode",
     "linearized_block",
     "linearized_robot",
     "plant_block",
@@ -62,6 +67,7 @@ __all__ = [
     "robot_system",
     "set_point",
     "sliding_mode",
+    "sliding_mode_relay",
     "symbol",
     "symbols",
 ]

@@ -3,7 +3,13 @@
 from brunovsky.blocks.library.chains import Chains
 from brunovsky.blocks.library.closed_loop import closed_loop
 from brunovsky.blocks.library.errors import errors
-from brunovsky.blocks.library.outer_loops import pole_placement, sliding_mode
+from brunovsky.blocks.library.outer_loops import (
+    disturbance_observer,
+    integral_sliding_mode,
+    pole_placement,
+    sliding_mode,
+    sliding_mode_relay,
+)
 from brunovsky.blocks.library.references import circle, set_point
 from brunovsky.blocks.library.robot import linearized_robot, robot, robot_linearization, robot_system
 
@@ -11,7 +17,9 @@ __all__ = [
     "Chains",
     "circle",
     "closed_loop",
+    "disturbance_observer",
     "errors",
+    "integral_sliding_mode",
     "linearized_robot",
     "pole_placement",
     "robot",
@@ -19,4 +27,5 @@ __all__ = [
     "robot_system",
     "set_point",
     "sliding_mode",
+    "sliding_mode_relay",
 ]
