@@ -24,7 +24,7 @@ LOOPS: dict[str, Callable[[br.Block], br.Block]] = {
     "surface from cost": lambda plant: B.sliding_mode(plant, analysis.surface_from_cost([625.0, 50.0, 1.0])),
     "sign": lambda plant: B.sliding_mode(plant, SURFACE, switching="sign"),
     "tanh": lambda plant: B.sliding_mode(plant, SURFACE, switching="tanh"),
-    "constant rate": lambda plant: B.sliding_mode(plant, SURFACE, reaching="constant rate", P=100.0, phi=0.5),
+    "constant rate": lambda plant: B.sliding_mode(plant, SURFACE, reaching="constant rate", P=97.0, phi=0.5),
     "power rate": lambda plant: B.sliding_mode(plant, SURFACE, reaching="power rate", P=40.0),
     "power rate, sign": lambda plant: B.sliding_mode(plant, SURFACE, reaching="power rate", P=40.0, switching="sign"),
     "relay": lambda plant: B.sliding_mode_relay(plant, SURFACE, dwell=0.002),

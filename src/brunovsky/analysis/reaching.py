@@ -7,6 +7,8 @@ import numpy as np
 from brunovsky.analysis._checks import finite_scalar
 from brunovsky.errors import ParameterError
 
+_TINY = 1e-16  # below, ln(1 + x)/x is 1 to rounding
+
 
 def reaching_time(initial: float, reaching_rate: float, switching_gain: float, exponent: float = 0.0) -> float:
     """Time in which S' = -Q S - P abs(S)^a sign(S) brings S from S0 to zero: ln(1 + Q abs(S0)^(1-a)/P) / (Q (1-a)).
@@ -51,7 +53,8 @@ def reaching_time(initial: float, reaching_rate: float, switching_gain: float, e
     if P == 0.0:
         return float("inf")
     powered = S0 ** (1.0 - a) / P
-    return float((np.log1p(Q * powered) / Q if Q > 0.0 else powered) / (1.0 - a))
+    slowed = Q * powered
+    return float(powered * (np.log1p(slowed) / slowed if slowed > _TINY else 1.0) / (1.0 - a))
 
 
 @dataclass(frozen=True)
@@ -116,7 +119,9 @@ def relay_cycle(
             f"{where}: P = {P:g} does not exceed Q hysteresis = {Q * h:g}, so that S comes to rest before the relay "
             "switches: there is no cycle; pass a larger P or a smaller hysteresis"
         )
-    free = 2.0 * np.arctanh(Q * h / P) / Q if Q > 0.0 else 2.0 * h / P
+    slowed = Q * h / P
+    free = 2.0 * h / P * (np.arctanh(slowed) / slowed if slowed > _TINY else 1.0)
     if free >= rest:
         return RelayCycle(h, float(2.0 * free))
-    return RelayCycle(float(P / Q * np.tanh(Q * rest / 2.0) if Q > 0.0 else P * rest / 2.0), 2.0 * rest)
+    slowed = Q * rest / 2.0
+    return RelayCycle(float(P * rest / 2.0 * (np.tanh(slowed) / slowed if slowed > _TINY else 1.0)), 2.0 * rest)
