@@ -24,7 +24,8 @@ def nominal() -> br.Block:
 @pytest.mark.parametrize("switching", ["saturation", "tanh", "sign"])
 def test_it_keeps_the_nominal_motion_under_a_matched_disturbance(switching: str, nominal: br.Block) -> None:
     """S' = -P f(S) + d, and the error departs from the nominal one by S through s/(s^3 + k3 s^2 + k2 s + k1)."""
-    law = B.integral_sliding_mode(chain_plant(), GAIN, P=P, phi=PHI, switching=switching, disturbance=D)
+    width = None if switching == "sign" else PHI
+    law = B.integral_sliding_mode(chain_plant(), GAIN, P=P, phi=width, switching=switching, disturbance=D)
     data = br.simulate(chain_loop(law), 5.0, parameters={"amplitude": 0.4}, inputs={"d": disturbance})
     layer = {"saturation": PHI * D / P, "tanh": PHI * np.arctanh(D / P), "sign": (P + D) * 1e-3}[switching]
     assert data["S[1]"][0] == 0.0

@@ -37,9 +37,10 @@ def rate_of(law: br.Block, values: dict[str, float], s: float) -> float:
 def test_each_law_gives_the_rate_that_it_states(reaching: str, switching: str, s: float) -> None:
     Q, P, phi, a = 2.0, 3.0, 0.05, 0.4
     options = {} if reaching == "constant rate" else {"Q": Q}
+    options |= {} if switching == "sign" else {"phi": phi}
+    options |= {"exponent": a} if reaching == "power rate" else {}
     law = B.sliding_mode(
-        Chains((3,), ("m",)), [50.0, 20.0, 2.0], P=P, phi=phi, exponent=a, reaching=reaching, switching=switching,
-        **options,
+        Chains((3,), ("m",)), [50.0, 20.0, 2.0], P=P, reaching=reaching, switching=switching, **options,
     )  # fmt: skip
     f = {"saturation": np.clip(s / phi, -1, 1), "sign": np.sign(s), "tanh": math.tanh(s / phi)}[switching]
     width = 0.0 if switching == "sign" else phi
@@ -65,7 +66,8 @@ def test_without_switching_gain_it_is_pole_placement(reaching: str, switching: s
 def test_reaching_times_are_those_of_the_closed_form(reaching: str, Q: float, P: float, a: float) -> None:
     """With the sign function, frozen over steps of 1 ms: reached within a step or two of the prediction."""
     options = {} if reaching == "constant rate" else {"Q": Q}
-    law = B.sliding_mode(chain_plant(), SURFACE, P=P, exponent=a, reaching=reaching, switching="sign", **options)
+    options |= {"exponent": a} if reaching == "power rate" else {}
+    law = B.sliding_mode(chain_plant(), SURFACE, P=P, reaching=reaching, switching="sign", **options)
     data = br.simulate(chain_loop(law), 3.0, record=["S[1]"])
     s = data["S[1]"].values
     assert s[0] == pytest.approx(S0)
@@ -152,6 +154,8 @@ def test_a_stated_bound_is_checked_against_the_gain() -> None:
         ({"reaching": "power rate", "disturbance": 1.0}, ModelError, "no P makes the power rate reject"),
         ({"reaching": "power rate", "exponent": 1.0}, ParameterError, "between 0 and 1, both excluded"),
         ({"reaching": "power rate", "exponent": 0.0}, ParameterError, "between 0 and 1, both excluded"),
+        ({"switching": "sign", "phi": 0.1}, ModelError, "has no phi"),
+        ({"exponent": 0.5}, ModelError, "has no exponent"),
         ({"switching": "tanh", "phi": 0.0}, ParameterError, "phi = 0 leaves tanh"),
         ({"surface": [500, 10, 0]}, ParameterError, r"C\[3\] = 0 leaves v out of the surface"),
         ({"surface": [500, math.nan, 1]}, ParameterError, r"C\[2\] = nan"),

@@ -25,7 +25,7 @@ def integral_sliding_mode(
     gains: Sequence[ArrayLike] | None = None,
     *,
     P: ArrayLike = 2.5,
-    phi: ArrayLike = 0.05,
+    phi: ArrayLike | None = None,
     switching: SwitchingFunction = "saturation",
     disturbance: ArrayLike | None = None,
 ) -> Block:
@@ -49,7 +49,7 @@ def integral_sliding_mode(
         K = (k_1, ..., k_r) of the linear law, as for :func:`pole_placement`.
     P, phi : float, or one per chain
         Gain of the switching part (unit of v), half-width of the boundary layer (unit of S, that of the output's
-        derivative r - 1).
+        derivative r - 1; by default 0.05, under ``"sign"`` there is none).
     switching : {"saturation", "sign", "tanh"}
         f(S) = sat(S/phi), sign(S) or tanh(S/phi).
     disturbance : float, or one per chain, optional

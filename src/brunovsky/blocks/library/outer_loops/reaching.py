@@ -16,6 +16,7 @@ from brunovsky.errors import ModelError
 
 ReachingLaw = Literal["exponential", "constant rate", "power rate"]
 _DEFAULT_Q = {"exponential": 5.0, "power rate": 0.0}
+_DEFAULT_EXPONENT = 0.5
 _RESOLUTION = sp.Rational(1, 10**12)  # of abs(S) in the power rate: no power of a negative number within a frozen step
 
 
@@ -37,16 +38,18 @@ class Reaching:
 
     @classmethod
     def of(
-        cls, chains: Chains, kind: ReachingLaw, Q: ArrayLike | None, exponent: ArrayLike, part: Switching
+        cls, chains: Chains, kind: ReachingLaw, Q: ArrayLike | None, exponent: ArrayLike | None, part: Switching
     ) -> Reaching:
         """Parameters ``Q`` and ``exponent``, those of the law.
 
         Raises
         ------
         ModelError
-            If the law is unknown or has no Q, or the numbers do not fit the chains.
+            If the law is unknown or has no Q or exponent, or the numbers do not fit the chains.
         """
         known_option("reaching", kind, get_args(ReachingLaw))
+        if kind != "power rate" and exponent is not None:
+            raise ModelError(f"reaching={kind!r} has no exponent; leave exponent out, or choose 'power rate'")
         if kind == "constant rate":
             if Q is not None:
                 raise ModelError("reaching='constant rate' has no Q; leave Q out, or choose 'exponential'")
@@ -54,7 +57,8 @@ class Reaching:
         q = exponential_gain(chains, _DEFAULT_Q[kind] if Q is None else Q)
         if kind == "exponential":
             return cls(part, q, None)
-        return cls(part, q, scalar_gains(chains, "exponent", exponent, lambda i: "1", "exponent of the power rate"))
+        power = _DEFAULT_EXPONENT if exponent is None else exponent
+        return cls(part, q, scalar_gains(chains, "exponent", power, lambda i: "1", "exponent of the power rate"))
 
     def rate(self, i: int, s: sp.Expr) -> sp.Expr:
         """S_i' of a chain without disturbance."""

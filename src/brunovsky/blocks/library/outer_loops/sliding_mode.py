@@ -32,10 +32,10 @@ def sliding_mode(
     *,
     Q: ArrayLike | None = None,
     P: ArrayLike = 2.5,
-    phi: ArrayLike = 0.05,
+    phi: ArrayLike | None = None,
     reaching: ReachingLaw = "exponential",
     switching: SwitchingFunction = "saturation",
-    exponent: ArrayLike = 0.5,
+    exponent: ArrayLike | None = None,
     disturbance: ArrayLike | None = None,
 ) -> Block:
     """Sliding-mode law v_i = (S_i' - c_1 e_i2 - ... - c_(r-1) e_ir)/c_r + y_d^(r), S_i = C e_i, S_i' as wanted.
@@ -67,13 +67,13 @@ def sliding_mode(
     Q, P, phi : float, or one per chain
         Gain of the exponential part (1/s; by default 5, with the power rate 0, with the constant rate there is none),
         gain of the switching part (unit of S per s), half-width of the boundary layer (unit of S, that of the output's
-        derivative r - 1; there is none under ``"sign"``).
+        derivative r - 1; by default 0.05, under ``"sign"`` there is none).
     reaching : {"exponential", "constant rate", "power rate"}
         The reaching law.
     switching : {"saturation", "sign", "tanh"}
         f.
-    exponent : float, or one per chain
-        a of the power rate.
+    exponent : float, or one per chain, optional
+        a of the power rate, by default 0.5.
     disturbance : float, or one per chain, optional
         Stated bound D of the disturbance at the level of v (unit of v).
 

@@ -42,8 +42,9 @@ def sliding_mode_relay(
 
     relay_i goes to 1 where S_i > ``hysteresis``, to -1 where S_i < -``hysteresis``, and keeps each value for ``dwell``
     at least. It has an end of events, so that it runs in model exchange too, as long as one of the two is positive.
-    It never comes to rest: S cycles between +- ``hysteresis``, or further where the dwell time is what holds it, with
-    the period of :func:`brunovsky.analysis.relay_cycle`; with fixed steps it switches up to one step late.
+    It does not come to rest, for P > Q ``hysteresis``: S cycles between +- ``hysteresis``, or further where the dwell
+    time is what holds it, with the period of :func:`brunovsky.analysis.relay_cycle`; with fixed steps it switches up to
+    one step late.
 
     Conditions: as for :func:`sliding_mode`: a stable surface, c_r != 0, and P above abs(c_r) times the disturbance at
     the level of v. The relay starts at 1 and switches at once where S_i < -``hysteresis`` at the start.

@@ -69,17 +69,19 @@ def surface_checks(c: Gains) -> tuple[Check, ...]:
 def hurwitz(coefficients: Sequence[sp.Expr]) -> sp.logic.boolalg.Boolean:
     """Condition under which c_1 + c_2 s + ... + c_r s^(r-1) has its roots in the open left half plane.
 
-    All leading minors of the Hurwitz matrix are positive; multiplied by c_r the polynomial begins with c_r^2 > 0.
+    The criterion of Liénard and Chipart, which needs half of the minors of the Hurwitz matrix, beside positive
+    coefficients; multiplied by c_r the polynomial begins with c_r^2 > 0.
 
     References
     ----------
-    A. Hurwitz, "Ueber die Bedingungen, unter welchen eine Gleichung nur Wurzeln mit negativen reellen Theilen
-    besitzt", Math. Ann. 46, 273-284, 1895, doi:10.1007/BF01446812.
+    A. Liénard and M. H. Chipart, "Sur le signe de la partie réelle des racines d'une équation algébrique", J. Math.
+    Pures Appl. 10, 291-346, 1914.
     """
     n = len(coefficients) - 1
     a = [coefficients[-1] * one for one in reversed(coefficients)]
     matrix = sp.Matrix(n, n, lambda i, j: a[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= n else 0)
-    return sp.And(*(sp.expand(matrix[:k, :k].det(method="berkowitz")) > 0 for k in range(1, n + 1)))
+    minors = (sp.expand(matrix[:k, :k].det(method="berkowitz")) for k in range(n - 1, 1, -2))
+    return sp.And(*(one > 0 for one in (*a[1:], *minors)))
 
 
 def _row_checks(row: Sequence[Parameter]) -> tuple[Check, Check]:

@@ -17,6 +17,7 @@ from brunovsky.blocks.variables import Check, Parameter
 from brunovsky.errors import ModelError, ParameterError
 
 SwitchingFunction = Literal["saturation", "sign", "tanh"]
+_DEFAULT_WIDTH = 0.05
 _ALTERNATIVES = "or use co-simulation, which samples it once an internal step"
 
 
@@ -44,18 +45,23 @@ class Switching:
     width: Gains | None
 
     @classmethod
-    def of(cls, chains: Chains, kind: SwitchingFunction, P: ArrayLike, phi: ArrayLike) -> Switching:
+    def of(cls, chains: Chains, kind: SwitchingFunction, P: ArrayLike, phi: ArrayLike | None) -> Switching:
         """Parameters ``P`` and ``phi``, or ``P[i]`` and ``phi[i]``.
 
         Raises
         ------
         ModelError
-            If ``kind`` is unknown or the numbers do not fit the chains.
+            If ``kind`` is unknown or has no width, or the numbers do not fit the chains.
         """
         known_option("switching", kind, get_args(SwitchingFunction))
+        if kind == "sign":
+            if phi is not None:
+                raise ModelError("switching='sign' has no phi; leave phi out, or choose 'saturation' or 'tanh'")
+            return cls(kind, gain_of_switching(chains, P), None)
         what = "half-width of the boundary layer; 0: sign function" if kind == "saturation" else "width of tanh(S/phi)"
-        width = scalar_gains(chains, "phi", phi, lambda i: surface_unit(chains, i), what, 0.0)
-        return cls(kind, gain_of_switching(chains, P), None if kind == "sign" else width)
+        width = _DEFAULT_WIDTH if phi is None else phi
+        widths = scalar_gains(chains, "phi", width, lambda i: surface_unit(chains, i), what, 0.0)
+        return cls(kind, gain_of_switching(chains, P), widths)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
