@@ -1,6 +1,7 @@
 """Sliding mode: reaching laws and switching functions against their closed forms, and what is refused."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -96,15 +97,29 @@ def test_power_rate_leaves_what_its_rate_balances() -> None:
     assert float(kept["S[1]"][-1]) == pytest.approx(D / (5.0 + P / 0.05), rel=1e-6)
 
 
+@cache
+def condition(count: int) -> tuple[tuple[sp.Symbol, ...], sp.Basic]:
+    names = sp.symbols(f"c1:{count + 1}", real=True)
+    return names, hurwitz(names)
+
+
+REAL_PART = st.floats(0.1, 5.0).flatmap(lambda x: st.sampled_from([-x, -x, -x, x]))
+
+
 @settings(max_examples=60, deadline=None)
-@given(st.lists(st.floats(-5, 5).filter(lambda x: abs(x) > 1e-3), min_size=2, max_size=6))
-def test_the_condition_of_hurwitz_agrees_with_the_roots(coefficients: list[float]) -> None:
-    names = sp.symbols(f"c1:{len(coefficients) + 1}", real=True)
-    largest = np.roots(coefficients[::-1]).real.max()
-    if abs(largest) < 1e-6:
-        return
-    found = hurwitz(names).subs(dict(zip(names, map(sp.Float, coefficients), strict=True)))
-    assert bool(found) == (largest < 0)
+@given(
+    st.lists(REAL_PART, max_size=2),
+    st.lists(st.tuples(REAL_PART, st.floats(0.0, 5.0)), max_size=2),
+    st.sampled_from([-2.0, 0.5, 1.0]),
+)
+def test_the_condition_of_hurwitz_agrees_with_the_roots(
+    single: list[float], pairs: list[tuple[float, float]], leading: float
+) -> None:
+    roots = [*single, *(complex(x, y) for x, y in pairs), *(complex(x, -y) for x, y in pairs)]
+    coefficients = leading * np.atleast_1d(np.real(np.poly(roots)))[::-1]
+    names, stable = condition(len(coefficients))
+    found = stable.subs(dict(zip(names, map(sp.Float, coefficients), strict=True)))
+    assert bool(found) == all(np.real(one) < 0 for one in roots)
 
 
 @pytest.mark.parametrize(
