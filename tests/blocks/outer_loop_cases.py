@@ -21,7 +21,7 @@ LOOPS: dict[str, Callable[[br.Block], br.Block]] = {
         plant, analysis.lqr_gain(3, [1e6, 1e5, 1e3, 1.0], integral=True), integral=True
     ),
     "sliding mode": lambda plant: B.sliding_mode(plant, SURFACE),
-    "surface from cost": lambda plant: B.sliding_mode(plant, analysis.surface_from_cost([625.0, 50.0, 1.0])),
+    "surface from cost": lambda plant: B.sliding_mode(plant, analysis.surface_from_cost([400.0, 20.0, 1.0])),
     "sign": lambda plant: B.sliding_mode(plant, SURFACE, switching="sign"),
     "tanh": lambda plant: B.sliding_mode(plant, SURFACE, switching="tanh"),
     "constant rate": lambda plant: B.sliding_mode(plant, SURFACE, reaching="constant rate", P=97.0, phi=0.5),
