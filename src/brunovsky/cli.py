@@ -45,7 +45,17 @@ SYSTEMS: Mapping[str, Callable[[], br.AffineSystem | br.Linearization]] = {
 }
 BLOCKS: Mapping[str, Callable[[], br.Block]] = {
     name: getattr(br.blocks, name)
-    for name in ("robot", "linearized_robot", "circle", "sliding_mode", "pole_placement", "closed_loop")
+    for name in (
+        "robot",
+        "linearized_robot",
+        "circle",
+        "sliding_mode",
+        "sliding_mode_relay",
+        "integral_sliding_mode",
+        "pole_placement",
+        "disturbance_observer",
+        "closed_loop",
+    )
 }
 
 

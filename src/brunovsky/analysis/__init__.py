@@ -4,6 +4,9 @@
 `root_locus` look at the linear loop, `sliding`, `boundary_layer` and `phase_plane` at the switching law; all of these
 work on gains and surfaces alone, for chains of any order. `actuator_loop` cuts the robot's loop at its actuators,
 `input_sensitivity` says what v costs at u for any plant, and `system` hands a whole block to python-control.
+`integrator_chains` holds the plants, `design` and `optimal` gains and surfaces, `robustness` the margins of the linear
+loop, `sliding` the bounds of the switching law, `reaching` its reaching times and the relay's cycle; they work on
+gains and surfaces alone, for chains of any order. `system` hands a whole block to python-control.
 """
 
 from brunovsky.analysis.actuator_loop import (
@@ -29,7 +32,9 @@ from brunovsky.analysis.input_sensitivity import (
 )
 from brunovsky.analysis.integrator_chains import chain, chains, error_dynamics
 from brunovsky.analysis.opened_loop import OpenedLoop, opened_loop
+from brunovsky.analysis.optimal import lqr_gain, surface_from_cost
 from brunovsky.analysis.phase_plane import lagged_reaching, reaching_phase_plane, surface_motion, surface_phase_plane
+from brunovsky.analysis.reaching import RelayCycle, reaching_time, relay_cycle
 from brunovsky.analysis.robustness import Margins, lag_margin, loop_margins, loop_transfer, margins
 from brunovsky.analysis.root_locus import pole_zero_map, root_locus_over_reaching_rate, root_locus_over_surface_gain
 from brunovsky.analysis.set_point import (
@@ -43,7 +48,6 @@ from brunovsky.analysis.set_point import (
 from brunovsky.analysis.sliding import (
     forward_disturbance_bound,
     matched_disturbance_bound,
-    reaching_time,
     unmatched_residual,
     yaw_disturbance_bound,
 )
@@ -55,6 +59,7 @@ __all__ = [
     "InputSensitivity",
     "Margins",
     "OpenedLoop",
+    "RelayCycle",
     "SteadyMotion",
     "actuator_loop",
     "actuator_loop_transfer",
@@ -77,6 +82,7 @@ __all__ = [
     "lagged_reaching",
     "loop_margins",
     "loop_transfer",
+    "lqr_gain",
     "margins",
     "matched_disturbance_bound",
     "opened_loop",
@@ -84,6 +90,7 @@ __all__ = [
     "pole_zero_map",
     "reaching_phase_plane",
     "reaching_time",
+    "relay_cycle",
     "return_difference",
     "root_locus_over_reaching_rate",
     "root_locus_over_surface_gain",
@@ -92,6 +99,7 @@ __all__ = [
     "sliding_gain",
     "steady_motion",
     "step_information",
+    "surface_from_cost",
     "surface_from_poles",
     "surface_motion",
     "surface_phase_plane",

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from brunovsky.analysis.opened_loop import opened_loop
 from brunovsky.analysis.steady_motion import SteadyMotion
-from brunovsky.blocks.library.outer_loop import ORDER
+from brunovsky.blocks.library.chains import ROBOT_CHAINS
 from brunovsky.errors import ParameterError
 
 ACTUATORS = ("u[1]", "u[2]")
@@ -165,8 +165,8 @@ def _axis_gains(gain: ArrayLike, where: str) -> NDArray[np.float64]:
         rows = np.asarray(gain, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ParameterError(f"{where}: K = {gain!r} is not made of real numbers; pass K = [k1, k2, k3]") from error
-    if rows.shape not in ((ORDER,), (2, ORDER)):
+    if rows.shape not in ((ROBOT_CHAINS.orders[0],), (2, ROBOT_CHAINS.orders[0])):
         raise ParameterError(f"{where}: K has shape {rows.shape}; pass K = [k1, k2, k3], or one such row for each axis")
     if not np.all(np.isfinite(rows)):
         raise ParameterError(f"{where}: K = {rows.tolist()} is not finite; pass finite gains")
-    return np.broadcast_to(rows, (2, ORDER))
+    return np.broadcast_to(rows, (2, ROBOT_CHAINS.orders[0]))

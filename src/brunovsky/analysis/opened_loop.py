@@ -6,7 +6,7 @@ from functools import lru_cache
 import sympy as sp
 
 from brunovsky.blocks import robot_linearization
-from brunovsky.blocks.library.outer_loop import ORDER
+from brunovsky.blocks.library.chains import ROBOT_CHAINS
 from brunovsky.linearization.simplify import tidy
 
 
@@ -54,7 +54,7 @@ def opened_loop(heading: sp.Expr = sp.S.Zero) -> OpenedLoop:
     linearization = robot_linearization()
     plant, extended = linearization.system, linearization.extended_system
     speed, yaw_rate = sp.symbols("V omega", real=True)
-    gains = tuple(sp.ImmutableDenseMatrix(2, 2, sp.symbols(f"k{k}(1:3)(1:3)", real=True)) for k in range(ORDER))
+    gains = tuple(sp.ImmutableDenseMatrix(2, 2, sp.symbols(f"k{k}(1:3)(1:3)", real=True)) for k in range(ROBOT_CHAINS.orders[0]))
     actuators = sp.symbols("a1 a2", real=True)
     law = dict(linearization.law)
     slopes = dict(zip(extended.states, extended.dynamics, strict=True))

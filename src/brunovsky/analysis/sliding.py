@@ -1,4 +1,4 @@
-"""What the sliding mode of one chain rejects, what it leaves, and how soon it is reached.
+"""What the sliding mode of one chain rejects, and what it leaves.
 
 For S = C e and v = (1/cn)(-Q S - P sign(S) - c1 e2 - ... ) + z_d^(n) (the paper's eqs. 20-23). Disturbances of the
 flagship robot: d1 (m/s2) on its forward acceleration, d2 (rad/s2) on its yaw acceleration. With
@@ -155,40 +155,3 @@ def unmatched_residual(surface: ArrayLike, disturbance: float, rate: float = 0.0
     if d1 == 0.0:
         return 0.0
     return float(abs(C[-1] * d1) / denominator) if denominator > 0.0 else float("inf")
-
-
-def reaching_time(initial: float, reaching_rate: float, switching_gain: float) -> float:
-    """Time in which S' = -Q S - P sign(S) brings S from S0 to zero: ln(1 + Q abs(S0)/P) / Q.
-
-    With a matched disturbance abs(d) <= D < P/abs(cn), the same with P - abs(cn) D in place of P is an upper bound.
-
-    Parameters
-    ----------
-    initial : float
-        S0 (m/s2 for n = 3), of either sign.
-    reaching_rate, switching_gain : float
-        Q >= 0 (1/s) and P >= 0 (m/s3 for n = 3). Q = 0 gives abs(S0)/P; P = 0 gives inf (S only tends to zero).
-
-    Returns
-    -------
-    float
-        Reaching time (s); 0 for S0 = 0.
-
-    Raises
-    ------
-    ParameterError
-        If a number is not finite, or Q or P is negative.
-
-    References
-    ----------
-    The paper's eq. (22); W. Gao and J. C. Hung, "Variable structure control of nonlinear systems: a new approach",
-    IEEE Trans. Ind. Electron. 40(1), 45-55, 1993, doi:10.1109/41.184820.
-    """
-    S0 = abs(finite_scalar(initial, "initial", "reaching_time"))
-    Q = finite_scalar(reaching_rate, "Q", "reaching_time", minimum=0.0)
-    P = finite_scalar(switching_gain, "P", "reaching_time", minimum=0.0)
-    if S0 == 0.0:
-        return 0.0
-    if P == 0.0:
-        return float("inf")
-    return float(np.log1p(Q * S0 / P) / Q) if Q > 0.0 else S0 / P

@@ -13,7 +13,7 @@ from brunovsky.blocks.guard import find_guards, guarded
 from brunovsky.blocks.units import derivative_unit
 from brunovsky.blocks.variables import Input, Output, Parameter, State, Variable, symbol
 from brunovsky.errors import ModelError
-from brunovsky.linearization import AffineSystem, Linearization
+from brunovsky.linearization import AffineSystem, Linearization, measured_chains
 
 Labels = Mapping[sp.Symbol, Variable]
 Values = Mapping[sp.Symbol | str, float]
@@ -56,7 +56,7 @@ def plant_block(
     """
     declared = _declared(system.parameters, parameters)
     known = _labelled((*system.states, *system.inputs, *system.disturbances), labels)
-    new = {one: label.symbol for one, label in known.items()} | _parameter_symbols(system)
+    new = {one: label.symbol for one, label in known.items()} | _parameter_symbols(system.parameters)
     start = _start_parameters(system.states, known, starts or {}, system.states)
     states = [
         State(*_parts(known[one]), derivative=slope.xreplace(new), start=start[one].symbol)
@@ -82,6 +82,7 @@ def inner_loop(
     parameters: Declarations = (),
     starts: Values | None = None,
     guards: Mapping[sp.Expr, Parameter | float] | None = None,
+    measured: AffineSystem | None = None,
 ) -> Block:
     """Linearising feedback of a system: v and the plant's states in, the plant's inputs and the chains out.
 
@@ -98,20 +99,27 @@ def inner_loop(
     guards : mapping of Expr to Parameter or float, optional
         The limit ``d_min`` for factors ``d`` of the singular locus, or its default value. A variable ``v`` has
         ``v_min``, another factor ``singular_min[k]``; the default is 0, the law as it is, which fails where ``d = 0``.
+    measured : AffineSystem, optional
+        The true plant, if the chains are measured on it rather than computed from the nominal model.
 
     Returns
     -------
     Block
         Inputs ``v[i]`` and the plant's states; outputs the plant's inputs, ``Zi[k]`` and the Boolean ``singular``.
+        Where chains are measured, the block also has the disturbances that they contain, and the plant's parameters.
     """
     system, extended = linearization.system, linearization.extended_system
-    known = _labelled((*extended.states, *system.inputs), labels)
+    chains = measured_chains(linearization, measured) if measured else linearization.chains
+    seen = {one for chain in chains for expression in chain for one in expression.free_symbols}
+    disturbances = [one for one in (measured.disturbances if measured else ()) if one in seen]
+    constants = dict.fromkeys((*system.parameters, *(measured.parameters if measured else ())))
+    known = _labelled((*extended.states, *system.inputs, *disturbances), labels)
     units = output_units or [known[one].unit if one in known else "1" for one in system.outputs]
     outer = [
         Variable(f"v[{i}]", derivative_unit(unit, order), f"input of chain {i}: derivative {order} of output {i}")
         for i, (unit, order) in enumerate(zip(units, linearization.relative_degree, strict=True), 1)
     ]
-    new = {one: label.symbol for one, label in known.items()} | _parameter_symbols(system)
+    new = {one: label.symbol for one, label in known.items()} | _parameter_symbols(constants)
     new |= {old: one.symbol for old, one in zip(linearization.outer_inputs, outer, strict=True)}
     compensator = [one for one in extended.states if one not in system.states]
     slopes = dict(zip(extended.states, extended.dynamics, strict=True))
@@ -134,12 +142,12 @@ def inner_loop(
     return Block(
         name,
         description,
-        inputs=tuple(Input(*_parts(one)) for one in (*outer, *(known[one] for one in system.states))),
-        parameters=(*start.values(), *_declared(system.parameters, parameters), *(one.limit for one in found)),
+        inputs=tuple(Input(*_parts(one)) for one in (*outer, *(known[one] for one in (*system.states, *disturbances)))),
+        parameters=(*start.values(), *_declared(constants, parameters), *(one.limit for one in found)),
         states=tuple(State(*_parts(known[one]), guarded(slopes[one], found), start[one].symbol) for one in compensator),
         outputs=(
             *(Output(*_parts(known[one]), expression=guarded(commands[one], found)) for one in system.inputs),
-            *_chain_outputs(linearization, units, new),
+            *_chain_outputs(chains, units, new),
             Output("singular", "1", singular, sp.Not(sp.And(*(one.regular for one in found)))),
         ),
         relations=tuple(relation for one in found for relation in one.relations),
@@ -158,6 +166,7 @@ def linearized_block(
     parameters: Declarations = (),
     starts: Values | None = None,
     guards: Mapping[sp.Expr, Parameter | float] | None = None,
+    measured: bool = False,
 ) -> Diagram:
     """Plant and inner loop: between ``v`` and the outputs it is a set of integrator chains.
 
@@ -172,11 +181,22 @@ def linearized_block(
         The law keeps to its nominal model; uncertainty lives in the plant alone.
     labels, output_units, parameters, starts, guards
         As for :func:`plant_block` and :func:`inner_loop`.
+    measured : bool
+        Whether ``Zi[k]`` are the derivatives of the true plant's outputs, as sensors show them, instead of those that
+        the nominal model computes from its state. Everything is matched then, for disturbances that are differentiable:
+        a step of one that enters a measured element makes it jump. The law itself keeps to the nominal model.
 
     Returns
     -------
     Diagram
         Inputs ``v[i]`` and the disturbances; outputs the plant's states, its inputs, ``Zi[k]`` and ``singular``.
+
+    Raises
+    ------
+    ModelError
+        If a parameter has no declaration, or the true plant has other states or inputs.
+    LinearizationError
+        If what is to be measured contains the rate of a disturbance, or an input.
 
     References
     ----------
@@ -194,9 +214,10 @@ def linearized_block(
         linearization,
         labels=labels,
         output_units=output_units,
-        parameters=used(linearization.system.parameters),
+        parameters=used((*linearization.system.parameters, *(plant.parameters if measured else ()))),
         starts=starts,
         guards=guards,
+        measured=plant if measured else None,
     )
     states = [one.name for one in body.states]
     commands = [one.name for one in body.inputs if any(one.name == other.name for other in loop.outputs)]
@@ -204,23 +225,26 @@ def linearized_block(
     starts_first = sorted((*body.parameters, *loop.parameters), key=lambda one: not _is_start(one, (body, loop)))
     for one in starts_first:
         exported[one.name] = [f"{block.name}.{one.name}" for block in (body, loop) if one in block.parameters]
+    inputs: dict[str, list[str]] = {}
+    for key, own_inputs, wired in (("inner_loop", loop.inputs, states), ("plant", body.inputs, commands)):
+        for name_of_input in (one.name for one in own_inputs if one.name not in wired):
+            inputs.setdefault(name_of_input, []).append(f"{key}.{name_of_input}")
     return Diagram(
         name,
         description,
         components={"plant": body, "inner_loop": loop},
         connections={f"plant.{one}": f"inner_loop.{one}" for one in commands}
         | {f"inner_loop.{one}": f"plant.{one}" for one in states},
-        inputs={one.name: f"inner_loop.{one.name}" for one in loop.inputs if one.name not in states}
-        | {one.name: f"plant.{one.name}" for one in body.inputs if one.name not in commands},
+        inputs=inputs,
         outputs={one: f"plant.{one}" for one in states} | {one.name: f"inner_loop.{one.name}" for one in loop.outputs},
         parameters=exported,
     )
 
 
 def _chain_outputs(
-    linearization: Linearization, units: Sequence[str], new: Mapping[sp.Symbol, sp.Symbol]
+    chains: Sequence[Sequence[sp.Expr]], units: Sequence[str], new: Mapping[sp.Symbol, sp.Symbol]
 ) -> Iterable[Output]:
-    for i, (unit, chain) in enumerate(zip(units, linearization.chains, strict=True), 1):
+    for i, (unit, chain) in enumerate(zip(units, chains, strict=True), 1):
         for k, expression in enumerate(chain):
             what = f"output {i}" if k == 0 else f"derivative {k} of output {i}"
             yield Output(
@@ -232,8 +256,8 @@ def _labelled(symbols: Iterable[sp.Symbol], labels: Labels | None) -> dict[sp.Sy
     return {one: (labels or {}).get(one) or Variable(str(one)) for one in symbols}
 
 
-def _parameter_symbols(system: AffineSystem) -> dict[sp.Symbol, sp.Symbol]:
-    return {one: symbol(str(one)) for one in system.parameters}
+def _parameter_symbols(parameters: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
+    return {one: symbol(str(one)) for one in parameters}
 
 
 def _parts(one: Variable) -> tuple[str, str, str]:

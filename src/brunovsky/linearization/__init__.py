@@ -6,7 +6,7 @@ Systems*, 3rd ed., 1995, doi:10.1007/978-1-84628-615-5.
 
 from brunovsky.linearization import gallery
 from brunovsky.linearization.affine import AffineSystem
-from brunovsky.linearization.disturbance import DisturbanceMap, disturbance_map
+from brunovsky.linearization.disturbance import DisturbanceMap, disturbance_map, measured_chains
 from brunovsky.linearization.extension import Extension, ExtensionStep, add_integrators
 from brunovsky.linearization.forecast import Forecast, chain_values, forecast
 from brunovsky.linearization.input_transformation import InputTransformation
@@ -51,6 +51,7 @@ __all__ = [
     "lie_bracket",
     "lie_derivative",
     "linearize",
+    "measured_chains",
     "regular_start",
     "static_linearizability",
     "vector_relative_degree",

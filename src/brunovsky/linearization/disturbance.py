@@ -160,15 +160,7 @@ def disturbance_map(linearization: Linearization, plant: AffineSystem | None = N
     """
     nominal, extended = linearization.system, linearization.extended_system
     plant = plant or nominal
-    if plant.states != nominal.states or plant.inputs != nominal.inputs:
-        raise ModelError(
-            f"the plant has states {plant.states} and inputs {plant.inputs}, the linearised one {nominal.states} and "
-            f"{nominal.inputs}; give a plant with the same"
-        )
-    undisturbed = nominal.drift + nominal.input_matrix * sp.Matrix(nominal.inputs)
-    inputs = dict(linearization.input_map)
-    error = (plant.dynamics - undisturbed).xreplace(inputs)
-    error = error.col_join(sp.zeros(len(extended.states) - len(nominal.states), 1))
+    error = _error(linearization, plant)
     states = sp.Matrix(extended.states)
 
     def added(function: sp.Expr) -> sp.Expr:
@@ -194,6 +186,70 @@ def _excess(i: int, k: int, order: int) -> Formula:
     """What the rate of an element of a chain has beyond the next element, or beyond v."""
     plain, latex = (f"v{i}", f"v_{{{i}}}") if k == order else (f"Z{i}_{k + 1}", f"Z_{{{i},{k + 1}}}")
     return Formula(f"dZ{i}_{k}/dt - {plain}", rf"\dot{{Z}}_{{{i},{k}}} - {latex}")
+
+
+def measured_chains(linearization: Linearization, plant: AffineSystem | None = None) -> tuple[tuple[sp.Expr, ...], ...]:
+    """Derive what sensors of the outputs' derivatives show: those along the true plant, disturbances included.
+
+    With them in place of chain coordinates computed from the nominal model every disturbance is matched, as
+    :class:`DisturbanceMap` has it under ``measured``.
+
+    Parameters
+    ----------
+    linearization : Linearization
+        Of the nominal plant.
+    plant : AffineSystem, optional
+        The true plant, with the same states and inputs; the nominal one with its disturbances where it is left out.
+
+    Returns
+    -------
+    tuple of tuples of sympy.Expr
+        Per output y, y', ..., y^(r_i - 1) in the states of the extended system, disturbances and parameters.
+
+    Raises
+    ------
+    ModelError
+        If states or inputs differ.
+    LinearizationError
+        If a derivative contains the rate of a disturbance, which no input of a block has, or an input, which would
+        close an algebraic loop through the law.
+    """
+    extended, plant = linearization.extended_system, plant or linearization.system
+    moving = extended.drift + extended.input_matrix * sp.Matrix(extended.inputs) + _error(linearization, plant)
+    states = sp.Matrix(extended.states)
+    chains = []
+    for i, (output, degree) in enumerate(
+        zip(linearization.system.outputs, linearization.relative_degree, strict=True), 1
+    ):
+        chain = [output]
+        for order in range(1, degree):
+            below = chain[-1]
+            if rated := sorted(str(one) for one in plant.disturbances if below.has(one)):
+                raise LinearizationError(
+                    f"derivative {order} of output {i} contains the rate of {', '.join(rated)}, which is not known; "
+                    "leave the disturbance out of the plant, or use the chains computed from the model"
+                )
+            chain.append(tidy((sp.Matrix([below]).jacobian(states) * moving)[0]))
+            if chain[-1].has(*extended.inputs):
+                raise LinearizationError(
+                    f"derivative {order} of output {i} contains an input of the true plant, so that its measurement "
+                    "would close an algebraic loop through the law; use the chains computed from the model"
+                )
+        chains.append(tuple(chain))
+    return tuple(chains)
+
+
+def _error(linearization: Linearization, plant: AffineSystem) -> sp.Matrix:
+    """What the true plant adds to x' of the extended system."""
+    nominal, extended = linearization.system, linearization.extended_system
+    if plant.states != nominal.states or plant.inputs != nominal.inputs:
+        raise ModelError(
+            f"the plant has states {plant.states} and inputs {plant.inputs}, the linearised one {nominal.states} and "
+            f"{nominal.inputs}; give a plant with the same"
+        )
+    undisturbed = nominal.drift + nominal.input_matrix * sp.Matrix(nominal.inputs)
+    error = (plant.dynamics - undisturbed).xreplace(dict(linearization.input_map))
+    return error.col_join(sp.zeros(len(extended.states) - len(nominal.states), 1))
 
 
 def _bound(

@@ -3,7 +3,13 @@
 from brunovsky.blocks.library.chains import Chains
 from brunovsky.blocks.library.closed_loop import closed_loop
 from brunovsky.blocks.library.errors import errors
-from brunovsky.blocks.library.outer_loops import pole_placement, sliding_mode
+from brunovsky.blocks.library.outer_loops import (
+    disturbance_observer,
+    integral_sliding_mode,
+    pole_placement,
+    sliding_mode,
+    sliding_mode_relay,
+)
 from brunovsky.blocks.library.references import circle, set_point
 from brunovsky.blocks.library.relatives import (
     backstepping,
@@ -21,8 +27,10 @@ __all__ = [
     "backstepping",
     "circle",
     "closed_loop",
+    "disturbance_observer",
     "errors",
     "flat_sliding_mode",
+    "integral_sliding_mode",
     "linearized_robot",
     "polar_sliding_mode",
     "pole_placement",
@@ -34,5 +42,6 @@ __all__ = [
     "second_order_sliding_mode",
     "set_point",
     "sliding_mode",
+    "sliding_mode_relay",
     "sliding_sector",
 ]

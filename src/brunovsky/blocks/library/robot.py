@@ -70,18 +70,27 @@ def robot() -> Block:
     )
 
 
-def linearized_robot() -> Diagram:
+def linearized_robot(*, measured: bool = False) -> Diagram:
     """Robot with its linearising inner loop: jerk ``v[1..2]`` in, two chains of three integrators to ``x`` and ``y``.
 
     For ``abs(eta[1]) > eta_min`` the chains are exact; nearer to rest 1/eta[1] becomes eta[1]/eta_min**2.
+
+    Parameters
+    ----------
+    measured : bool
+        Whether ``Zi[3]``, the acceleration, is measured, with disturbance and true mass in it, instead of computed from
+        the model; the block is then called ``linearized_robot_measured``. A constant ``d[1]`` is matched then, like
+        ``d[2]``; its steps are impulses at the level of ``v``.
     """
     return linearized_block(
         robot_linearization(),
-        "linearized_robot",
+        "linearized_robot_measured" if measured else "linearized_robot",
         plant=robot_system(),
-        description="wheeled mobile robot with its linearising inner loop",
+        description="wheeled mobile robot with its linearising inner loop"
+        + (", acceleration measured" if measured else ""),
         labels=_LABELS,
         parameters=_RHO,
         starts=_STARTS,
         guards={_VARIABLES[3].symbol: _ETA_MIN},
+        measured=measured,
     )

@@ -1,0 +1,71 @@
+"""Outer loops as FMUs: each closed loop gives the native simulation, in co-simulation and in model exchange."""
+
+import sys
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.validation import validate_fmu
+
+from brunovsky.fmi import export_fmu
+from brunovsky.native import simulate
+
+sys.path.append(str(Path(__file__).parents[1] / "blocks"))
+from outer_loop_cases import LOOPS, SURFACE, B, chain_loop, chain_plant
+
+BY_STEPS = {"sign", "power rate, sign"}  # refused by model exchange
+
+
+def run(fmu: Path, kind: str, **options: object) -> np.ndarray:
+    return fmpy.simulate_fmu(
+        str(fmu), fmi_type=kind, stop_time=1.5, output_interval=0.01, record_events=False, **options
+    )
+
+
+@pytest.mark.parametrize("name", LOOPS)
+def test_fmu_gives_the_native_simulation(name: str, tmp_path: Path) -> None:
+    block = chain_loop(LOOPS[name](chain_plant()))
+    fmu = export_fmu(block, tmp_path / "loop.fmu")
+    assert validate_fmu(str(fmu)) == []
+    expected = simulate(block, 1.5)["e1[1]"].values[::10]
+    found = run(fmu, "CoSimulation")
+    by_steps = name in BY_STEPS  # rounding of S near zero decides a step's branch
+    np.testing.assert_allclose(found["e1[1]"], expected, atol=1e-6 if by_steps else 1e-12)
+    if by_steps:
+        return
+    fine = simulate(block, 1.5, step_size=1e-4)["e1[1]"].values[::100]
+    exchanged = run(fmu, "ModelExchange", relative_tolerance=1e-8)
+    np.testing.assert_allclose(exchanged["e1[1]"], fine, atol=1e-3 if name == "relay" else 1e-5)
+
+
+def test_a_relay_keeps_its_hysteresis_in_model_exchange(tmp_path: Path) -> None:
+    """Its switches are located, so that S turns at the hysteresis itself, and there are as many as the cycle says."""
+    block = chain_loop(B.sliding_mode_relay(chain_plant(), SURFACE, P=20.0, hysteresis=0.5))
+    fmu = export_fmu(block, tmp_path / "relay.fmu")
+    found = fmpy.simulate_fmu(
+        str(fmu), fmi_type="ModelExchange", stop_time=2.5, output_interval=1e-3, relative_tolerance=1e-8
+    )
+    s = found["S[1]"][found["time"] > 1.2]
+    assert s.max() == pytest.approx(0.5, abs=1e-3) and s.min() == pytest.approx(-0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", sorted(BY_STEPS))
+def test_the_sign_function_is_refused_by_model_exchange(name: str, tmp_path: Path) -> None:
+    fmu = export_fmu(chain_loop(LOOPS[name](chain_plant())), tmp_path / "sign.fmu")
+    messages: list[str] = []
+    with pytest.raises(FMICallException, match="fmi2ExitInitializationMode"):
+        run(fmu, "ModelExchange", logger=lambda *message: messages.append(str(message[-1])))
+    assert any("sliding_mode_relay" in one for one in messages)
+
+
+def test_the_measured_robot_is_an_fmu(tmp_path: Path) -> None:
+    block = B.linearized_robot(measured=True)
+    fmu = export_fmu(block, tmp_path / "measured.fmu")
+    assert validate_fmu(str(fmu)) == []
+    inputs = {"v[1]": 0.3, "v[2]": -0.2, "d[1]": 0.4}
+    found = run(fmu, "CoSimulation", start_values=inputs)
+    expected = simulate(block, 1.5, inputs=inputs)
+    for name in ("Z1[3]", "Z2[3]", "x"):
+        np.testing.assert_allclose(found[name], expected[name].values[::10], atol=1e-12)
