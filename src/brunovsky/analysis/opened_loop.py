@@ -54,7 +54,8 @@ def opened_loop(heading: sp.Expr = sp.S.Zero) -> OpenedLoop:
     linearization = robot_linearization()
     plant, extended = linearization.system, linearization.extended_system
     speed, yaw_rate = sp.symbols("V omega", real=True)
-    gains = tuple(sp.ImmutableDenseMatrix(2, 2, sp.symbols(f"k{k}(1:3)(1:3)", real=True)) for k in range(ROBOT_CHAINS.orders[0]))
+    orders = range(ROBOT_CHAINS.orders[0])
+    gains = tuple(sp.ImmutableDenseMatrix(2, 2, sp.symbols(f"k{k}(1:3)(1:3)", real=True)) for k in orders)
     actuators = sp.symbols("a1 a2", real=True)
     law = dict(linearization.law)
     slopes = dict(zip(extended.states, extended.dynamics, strict=True))
