@@ -53,7 +53,10 @@ def cycle_state(loop: SwitchingLoop, frequency: float) -> NDArray[np.float64]:
     push = -loop.switching_gain / loop.surface[-1] * B
     half = np.pi / w
     whole = np.eye(B.size) + expm(closed * half)
-    return np.asarray(-np.linalg.solve(whole, held_input(closed, push, half)))
+    forced = held_input(closed, push, half)
+    if not (np.all(np.isfinite(whole)) and np.all(np.isfinite(forced)) and np.linalg.cond(whole) < 1e14):
+        raise ParameterError(f"cycle_state: there is no such cycle at frequency = {w:g}; pass one of relay_cycles")
+    return np.asarray(-np.linalg.solve(whole, forced))
 
 
 def basin_edge(loop: SwitchingLoop, direction: ArrayLike, tolerance: float = 1e-2) -> float:

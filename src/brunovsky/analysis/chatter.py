@@ -66,9 +66,9 @@ class ChatterRow:
 def chatter_table(loops: Iterable[SwitchingLoop]) -> tuple[ChatterRow, ...]:
     """Predict and measure the chatter of each loop.
 
-    Of several stable limit cycles the largest one by describing function is given, and the exact one whose frequency
-    is nearest to it. Where a stable linear part doesn't make it the only one, what the simulation finds depends on its
-    start: see `simulated_cycle`.
+    Of several stable limit cycles the smallest by describing function is given, in which the default start of
+    `simulated_cycle` usually ends, and the exact one whose frequency is nearest to it. Several do occur: the paper's
+    surface has a second one just before its linear part loses stability, and a sampled relay almost always.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def _row(loop: SwitchingLoop) -> ChatterRow:
             f"chatter_table: lags = {list(loop.lags)} differ, and a row holds one number for them; pass equal lags, or "
             "use predicted_cycles, relay_cycles and simulated_cycle"
         )
-    predicted = _largest(predicted_cycles(loop))
+    predicted = _smallest(predicted_cycles(loop))
     exact = _exact(loop, predicted)
     measured = simulated_cycle(loop)
     seen = measured.cycle
@@ -125,8 +125,8 @@ def _row(loop: SwitchingLoop) -> ChatterRow:
     )
 
 
-def _largest(cycles: tuple[LimitCycle, ...]) -> LimitCycle | None:
-    return max((one for one in cycles if one.stable), key=lambda one: one.amplitude, default=None)
+def _smallest(cycles: tuple[LimitCycle, ...]) -> LimitCycle | None:
+    return min((one for one in cycles if one.stable), key=lambda one: one.amplitude, default=None)
 
 
 def _exact(loop: SwitchingLoop, predicted: LimitCycle | None) -> LimitCycle | None:
@@ -135,6 +135,6 @@ def _exact(loop: SwitchingLoop, predicted: LimitCycle | None) -> LimitCycle | No
         return None
     cycles = relay_cycles(loop)
     if predicted is None:
-        return _largest(cycles)
+        return _smallest(cycles)
     stable = (one for one in cycles if one.stable)
     return min(stable, key=lambda one: abs(one.frequency - predicted.frequency), default=None)

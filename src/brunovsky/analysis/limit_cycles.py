@@ -150,7 +150,10 @@ def peak(t: NDArray[np.floating[Any]], values: NDArray[np.floating[Any]]) -> flo
     i, top = int(np.argmax(values)), float(np.max(values))
     if not 2 <= i <= values.size - 3:
         return top
-    slopes = np.diff(values[i - 2 : i + 3]) / np.diff(t[i - 2 : i + 3])
+    spacing = np.diff(t[i - 2 : i + 3])
+    if np.any(spacing <= 0.0):
+        return top
+    slopes = np.diff(values[i - 2 : i + 3]) / spacing
     bends = np.diff(slopes) / (t[i : i + 3] - t[i - 2 : i + 1])
     if bends[1] >= 0.0 or bends[1] < 2.0 * min(bends[0], bends[2]):
         return top

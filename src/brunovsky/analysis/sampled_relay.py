@@ -15,6 +15,9 @@ from brunovsky.errors import ParameterError
 
 Array = NDArray[np.float64]
 
+_LONGEST = 20_000  # samples of a half period
+_ILL_CONDITIONED = 1e12
+
 
 @dataclass(frozen=True, eq=False)
 class SampledModel:
@@ -122,20 +125,34 @@ def sampled_cycles(loop: SwitchingLoop) -> tuple[LimitCycle, ...]:
         raise ParameterError(f"{where}: a boundary layer is no relay; pass phi = 0, or use predicted_cycles")
     model = sampled_model(loop)
     slowest = min((one.frequency for one in predicted_cycles(loop)), default=np.pi / (32.0 * h))
+    longest = int(3.0 * np.pi / (slowest * h)) + 4
+    if longest > _LONGEST:
+        raise ParameterError(
+            f"{where}: a half period may last {longest} samples of {h:g} s; so short a period is as good as none: pass "
+            "sampling=None"
+        )
+    powers, totals = _free_and_forced(model, longest)
     stable = bool(np.max(np.abs(np.linalg.eigvals(model.A))) < 1.0)
-    power, total = np.eye(model.B.size), np.zeros_like(model.B)
     cycles = []
-    for samples in range(1, int(3.0 * np.pi / (slowest * h)) + 4):
-        total = total + power @ model.B
-        power = model.A @ power
-        X = -np.linalg.solve(np.eye(model.B.size) + power, total)
-        S, values = np.empty(samples), np.empty((samples, model.between_f.size))
-        for k in range(samples):
-            S[k], values[k] = model.C @ X, model.between @ X + model.between_f
-            X = model.A @ X + model.B
-        if S[0] > loop.hysteresis and np.all(-loop.hysteresis < S):
+    for samples in range(1, len(powers)):
+        whole = np.eye(model.B.size) + powers[samples]
+        if np.linalg.cond(whole) > _ILL_CONDITIONED:
+            continue
+        X = totals[:samples] - powers[:samples] @ np.linalg.solve(whole, totals[samples])
+        S = X @ model.C
+        if S[0] > loop.hysteresis and np.min(S) > -loop.hysteresis:
+            values = X @ model.between.T + model.between_f
             cycles.append(_cycle(values.ravel(), np.pi / (samples * h), stable))
     return tuple(sorted(cycles, key=lambda one: one.amplitude))
+
+
+def _free_and_forced(model: SampledModel, longest: int) -> tuple[Array, Array]:
+    """A^k and the sum of A^i B over i < k, for k from 0 to `longest`, or as far as they stay in range."""
+    powers, totals = [np.eye(model.B.size)], [np.zeros_like(model.B)]
+    while len(powers) <= longest and np.max(np.abs(powers[-1])) < _ILL_CONDITIONED:
+        totals.append(model.A @ totals[-1] + model.B)
+        powers.append(model.A @ powers[-1])
+    return np.array(powers), np.array(totals)
 
 
 def sampled_chatter_band(reaching_rate: float, switching_gain: float, step: float) -> float:

@@ -18,8 +18,9 @@ Array = NDArray[np.float64]
 
 _WINDOW = 40  # half periods over which amplitude and frequency are averaged
 _SETTLED = 2e-5  # relative change from one window to the next
-_WINDOWS = 60  # after which a response that has not settled is called irregular
-_PIECES = 200_000
+_WINDOWS = 60  # after which a response is called unsettled
+_PIECES = 200_000  # of a trajectory, after which it is given up
+_LONGEST = 20_000  # samples of a half period, beyond which every other is dropped
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,9 @@ class SimulatedResponse:
     ----------
     outcome : str
         ``"cycle"`` a steady oscillation; ``"slides"`` the relay switches faster than any mode of the loop, S goes to
-        zero; ``"decays"``; ``"diverges"``; ``"irregular"`` it goes on oscillating without a steady period.
+        zero; ``"decays"``; ``"diverges"``; ``"unsettled"`` where amplitude or frequency still change after 2400 half
+        periods: a hair before the loss of stability, or with a sampled relay whose switchings have no short pattern;
+        or where a lag or delay is too small a fraction of the period, some ten-thousandths, to be stepped through.
     cycle : LimitCycle or None
         Mean of the last forty half periods where it oscillates.
     """
@@ -91,7 +94,7 @@ def simulated_cycle(loop: SwitchingLoop, start: ArrayLike | None = None) -> Simu
         if settled and even:
             return SimulatedResponse("cycle", _measured(new, last))
         if len(halves) >= _WINDOW * _WINDOWS:
-            return SimulatedResponse("irregular", _measured(new, last))
+            return SimulatedResponse("unsettled", _measured(new, last))
         means = new
     return SimulatedResponse("slides", None)
 
@@ -136,8 +139,10 @@ def _halves(pieces: Iterator[Piece], small: float, large: float) -> Iterator[tup
                 yield "", (np.r_[zero, t[begin : i + 1], at], np.r_[0.0, S[begin : i + 1], 0.0])
             zero, begin = at, i + 1
         t, S = t[begin:], S[begin:]
+        if S.size > _LONGEST:
+            t, S = t[::-2][::-1], S[::-2][::-1]
         if count > _PIECES:
-            yield "irregular", (t, S)
+            yield "unsettled", (t, S)
             return
 
 

@@ -39,12 +39,11 @@ def _step(loop: SwitchingLoop) -> float:
     """Step (s) that is short for the modes of the loop, with and without its feedback, and for the element's width."""
     A, B = loop.actuated_chain()
     K = np.r_[loop.gain, np.zeros(len(loop.lags))]
-    width = loop.boundary_layer or loop.hysteresis
     inner = K if loop.boundary_layer == 0.0 else K + _switching_row(loop) / loop.boundary_layer
     rates = [np.max(np.abs(np.linalg.eigvals(one))) for one in (A, A - np.outer(B, K), A - np.outer(B, inner))]
-    if width > 0.0:
-        rates.append(0.4 * loop.switching_gain / width)
-    return float(0.1 / max(rates))
+    if loop.hysteresis > 0.0:  # crossed no faster than by the integrators that W is at high frequency
+        rates.append((loop.switching_gain / loop.hysteresis / np.prod(loop.lags)) ** (1.0 / (1 + len(loop.lags))))
+    return float(0.1 / (max(rates) or 1.0 / (loop.dead_time or 1.0)))
 
 
 def _switching_row(loop: SwitchingLoop) -> Array:
@@ -129,17 +128,19 @@ def _piecewise_linear(loop: SwitchingLoop, start: Array) -> Iterator[Piece]:
 def _delayed(loop: SwitchingLoop, start: Array) -> Iterator[Piece]:
     A, B = loop.actuated_chain()
     size, n = B.size, loop.order
-    blocks = max(4, int(np.ceil(loop.delay / (0.3 * _step(loop)) / _BLOCK)))
-    steps = blocks * _BLOCK
-    step = loop.delay / steps
+    # without lags S has corners, at which its peaks are to be seen
+    least = max(8 if loop.lags else 4 * _BLOCK, int(np.ceil(loop.delay / (0.3 * _step(loop)))))
+    block = min(least, _BLOCK)
+    blocks = -(-least // block)
+    step = loop.delay / (blocks * block)
     one, response = expm(A * step), held_input(A, B, step)
-    powers, kernel = [np.eye(size)], np.zeros((_BLOCK + 1, size, _BLOCK))
-    for i in range(_BLOCK):
+    powers, kernel = [np.eye(size)], np.zeros((block + 1, size, block))
+    for i in range(block):
         powers.append(one @ powers[-1])
         kernel[i + 1] = one @ kernel[i]
         kernel[i + 1, :, i] += response
     free = np.array(powers)
-    waiting = np.zeros((blocks, _BLOCK))
+    waiting = np.zeros((blocks, block))
     x, time, branch = start, 0.0, 1.0 if float(np.dot(loop.surface, start[:n])) >= 0.0 else -1.0
     index = 0
     while True:
@@ -148,8 +149,8 @@ def _delayed(loop: SwitchingLoop, start: Array) -> Iterator[Piece]:
         linear = -states[:, :n] @ loop.gain
         f, branch = _averaged(loop, S, branch)
         waiting[index] = 0.5 * (linear[1:] + linear[:-1]) - loop.switching_gain / loop.surface[-1] * f
-        yield time + step * np.arange(_BLOCK), S[:-1]
-        x, time, index = states[-1], time + step * _BLOCK, (index + 1) % blocks
+        yield time + step * np.arange(block), S[:-1]
+        x, time, index = states[-1], time + step * block, (index + 1) % blocks
 
 
 def _averaged(loop: SwitchingLoop, S: Array, branch: float) -> tuple[Array, float]:
@@ -182,13 +183,14 @@ def _sampled(loop: SwitchingLoop, start: Array) -> Iterator[Piece]:
     k = 0
     while True:
         times, values = [], []
-        for _ in range(_BLOCK):
-            S = float(model.C @ X)
-            if loop.boundary_layer > 0.0:
-                f = float(np.clip(S / loop.boundary_layer, -1.0, 1.0))
-            elif f * S < -loop.hysteresis:
-                f = -f
-            times.append(k * h + offsets)
-            values.append(model.between @ X + model.between_f * f)
-            X, k = model.A @ X + model.B * f, k + 1
+        with np.errstate(over="ignore", invalid="ignore"):  # what diverges is seen by its size
+            for _ in range(_BLOCK):
+                S = float(model.C @ X)
+                if loop.boundary_layer > 0.0:
+                    f = float(np.clip(S / loop.boundary_layer, -1.0, 1.0))
+                elif f * S < -loop.hysteresis:
+                    f = -f
+                times.append(k * h + offsets)
+                values.append(model.between @ X + model.between_f * f)
+                X, k = model.A @ X + model.B * f, k + 1
         yield np.concatenate(times), np.concatenate(values)
