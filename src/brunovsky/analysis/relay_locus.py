@@ -18,7 +18,7 @@ from brunovsky.analysis.switching_loop import SwitchingLoop
 from brunovsky.errors import ParameterError
 
 _COARSE, _FINE = 32, 2048  # odd harmonics to find a crossing, and to compute it
-_ALIASES, _ANGLES = 256, 361  # of the sampled impulse response on the unit circle
+_ALIASES, _ANGLES = 96, 91  # of the sampled impulse response on the unit circle
 
 
 def relay_locus(loop: SwitchingLoop, frequency: ArrayLike, harmonics: int = _FINE) -> NDArray[np.complex128]:
@@ -160,7 +160,8 @@ def _alternating_impulse_response(
     """Sum over m >= 1 of (-1)^m w(m h) z^-m at z = exp(j angle), by Poisson's summation of W."""
     aliases = np.arange(-_ALIASES, _ALIASES)
     w = (angle[:, None] + np.pi * (1 + 2 * aliases)) / half
-    total = np.where(w < 0.0, np.conj(_remainder(loop, np.abs(w))), _remainder(loop, np.abs(w))).sum(axis=1) / half
+    values = _remainder(loop, np.abs(w))
+    total = np.where(w < 0.0, np.conj(values), values).sum(axis=1) / half
     if not loop.lags:
         beta = _asymptote_rate(loop)
         ratio = -np.exp(-beta * half - 1j * angle)
