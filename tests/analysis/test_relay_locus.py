@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from brunovsky.analysis import SwitchingLoop, cycle_state, relay_cycles, relay_locus
+from brunovsky.analysis import SwitchingLoop, cycle_state, predicted_cycles, relay_cycles, relay_locus, simulated_cycle
 from brunovsky.errors import ParameterError
 
 C, Q, P = (500.0, 10.0, 1.0), 5.0, 2.5
@@ -127,6 +127,14 @@ def test_closed_form_of_the_slow_harmonics_changes_nothing():
 
 def test_a_relay_behind_one_small_lag_has_no_cycle():
     assert relay_cycles(SwitchingLoop(C, Q, P, lags=[0.0189])) == ()
+
+
+def test_the_cycles_of_the_paper_merge_a_little_before_the_describing_function_says():
+    between = SwitchingLoop(C, Q, P, lags=[0.0146, 0.0146])
+    assert len(predicted_cycles(between)) == 2
+    assert relay_cycles(between) == ()
+    assert simulated_cycle(between).outcome == "diverges"
+    assert len(relay_cycles(SwitchingLoop(C, Q, P, lags=[0.0144, 0.0144]))) == 2
 
 
 @pytest.mark.parametrize(
