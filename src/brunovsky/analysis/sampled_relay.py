@@ -182,7 +182,7 @@ def sampled_chatter_band(reaching_rate: float, switching_gain: float, step: floa
     References
     ----------
     W. Gao, Y. Wang and A. Homaifa, "Discrete-time variable structure control systems", IEEE Trans. Ind. Electron.
-    42(2), 117-122, 1995, doi:10.1109/41.370376.
+    42(2), 117-122, 1995.
     """
     where = "sampled_chatter_band"
     Q = finite_scalar(reaching_rate, "Q", where, minimum=0.0)
