@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 _WINDOW = 40  # half periods over which amplitude and frequency are averaged
 _SETTLED = 2e-5  # relative change from one window to the next
 _WINDOWS = 60  # after which a response is called unsettled
-_PIECES = 200_000  # of a trajectory, after which it is given up
+_PIECES = 100_000  # of a trajectory, after which it is given up
 _LONGEST = 20_000  # samples of a half period, beyond which every other is dropped
 
 
