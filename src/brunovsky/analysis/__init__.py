@@ -1,20 +1,22 @@
 """Linear and sliding-mode analysis of the Brunovsky chains, in python-control's own objects.
 
-`integrator_chains` holds the plants, `design` gains and surfaces; `robustness`, `disk_margin`, `set_point` and
-`root_locus` look at the linear loop, `sliding`, `boundary_layer` and `phase_plane` at the switching law; all of these
-work on gains and surfaces alone, for chains of any order. `actuator_loop` cuts the robot's loop at its actuators,
-`input_sensitivity` says what v costs at u for any plant, and `system` hands a whole block to python-control.
-`integrator_chains` holds the plants, `design` and `optimal` gains and surfaces, `robustness` the margins of the linear
-loop, `sliding` the bounds of the switching law, `reaching` its reaching times and the relay's cycle; they work on
-gains and surfaces alone, for chains of any order. `system` hands a whole block to python-control.
+`integrator_chains` holds the plants, `design` and `optimal` gains and surfaces; `robustness`, `disk_margin`,
+`set_point` and `root_locus` look at the linear loop, `sliding`, `reaching`, `boundary_layer` and `phase_plane` at the
+switching law; all of these work on gains and surfaces alone, for chains of any order. `actuator_loop` cuts the robot's
+loop at its actuators, `input_sensitivity` says what v costs at u for any plant.
+
+A `SwitchingLoop` is a chain under the switching law behind an actuator with lags, delay or sampling. Its chatter is
+predicted by describing function (`limit_cycles`) and exactly (`relay_locus`, `sampled_relay`), and measured
+(`simulated_cycle`, `basin`); `chatter` sets the three side by side.
+
+`system` hands a whole block to python-control.
 """
 
-from brunovsky.analysis.actuator_loop import (
-    actuator_loop,
-    actuator_loop_transfer,
-    return_difference,
-)
+from brunovsky.analysis.actuator_loop import actuator_loop, actuator_loop_transfer, return_difference
+from brunovsky.analysis.basin import basin_edge, cycle_state
 from brunovsky.analysis.boundary_layer import boundary_layer_plot, boundary_layer_trade_off
+from brunovsky.analysis.chatter import ChatterRow, chatter_table
+from brunovsky.analysis.chatter_figures import describing_function_plot, relay_locus_plot
 from brunovsky.analysis.design import (
     boundary_layer_gain,
     closed_loop_poles,
@@ -24,19 +26,17 @@ from brunovsky.analysis.design import (
     surface_poles,
 )
 from brunovsky.analysis.disk_margin import DiskMargin, disk_margin
-from brunovsky.analysis.input_sensitivity import (
-    InputSensitivity,
-    input_gain,
-    input_sensitivity,
-    input_sensitivity_plot,
-)
+from brunovsky.analysis.input_sensitivity import InputSensitivity, input_gain, input_sensitivity, input_sensitivity_plot
 from brunovsky.analysis.integrator_chains import chain, chains, error_dynamics
+from brunovsky.analysis.limit_cycles import LimitCycle, harmonic_balance, predicted_cycles
 from brunovsky.analysis.opened_loop import OpenedLoop, opened_loop
 from brunovsky.analysis.optimal import lqr_gain, surface_from_cost
 from brunovsky.analysis.phase_plane import lagged_reaching, reaching_phase_plane, surface_motion, surface_phase_plane
 from brunovsky.analysis.reaching import RelayCycle, reaching_time, relay_cycle
+from brunovsky.analysis.relay_locus import relay_cycles, relay_locus
 from brunovsky.analysis.robustness import Margins, lag_margin, loop_margins, loop_transfer, margins
 from brunovsky.analysis.root_locus import pole_zero_map, root_locus_over_reaching_rate, root_locus_over_surface_gain
+from brunovsky.analysis.sampled_relay import sampled_chatter_band, sampled_cycles
 from brunovsky.analysis.set_point import (
     bandwidth,
     complementary_sensitivity,
@@ -45,6 +45,7 @@ from brunovsky.analysis.set_point import (
     set_point_transfer,
     step_information,
 )
+from brunovsky.analysis.simulated_cycle import SimulatedResponse, simulated_cycle
 from brunovsky.analysis.sliding import (
     forward_disturbance_bound,
     matched_disturbance_bound,
@@ -52,29 +53,39 @@ from brunovsky.analysis.sliding import (
     yaw_disturbance_bound,
 )
 from brunovsky.analysis.steady_motion import SteadyMotion, steady_motion
+from brunovsky.analysis.switching_loop import SwitchingLoop
 from brunovsky.analysis.system import to_control
 
 __all__ = [
+    "ChatterRow",
     "DiskMargin",
     "InputSensitivity",
+    "LimitCycle",
     "Margins",
     "OpenedLoop",
     "RelayCycle",
+    "SimulatedResponse",
     "SteadyMotion",
+    "SwitchingLoop",
     "actuator_loop",
     "actuator_loop_transfer",
     "bandwidth",
+    "basin_edge",
     "boundary_layer_gain",
     "boundary_layer_plot",
     "boundary_layer_trade_off",
     "chain",
     "chains",
+    "chatter_table",
     "closed_loop_poles",
     "complementary_sensitivity",
+    "cycle_state",
+    "describing_function_plot",
     "disk_margin",
     "error_dynamics",
     "forward_disturbance_bound",
     "gang_of_four",
+    "harmonic_balance",
     "input_gain",
     "input_sensitivity",
     "input_sensitivity_plot",
@@ -88,14 +99,21 @@ __all__ = [
     "opened_loop",
     "place",
     "pole_zero_map",
+    "predicted_cycles",
     "reaching_phase_plane",
     "reaching_time",
     "relay_cycle",
+    "relay_cycles",
+    "relay_locus",
+    "relay_locus_plot",
     "return_difference",
     "root_locus_over_reaching_rate",
     "root_locus_over_surface_gain",
+    "sampled_chatter_band",
+    "sampled_cycles",
     "sensitivity",
     "set_point_transfer",
+    "simulated_cycle",
     "sliding_gain",
     "steady_motion",
     "step_information",
