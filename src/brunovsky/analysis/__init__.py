@@ -17,6 +17,7 @@ from brunovsky.analysis.integrator_chains import chain, chains, error_dynamics
 from brunovsky.analysis.optimal import lqr_gain, surface_from_cost
 from brunovsky.analysis.reaching import RelayCycle, reaching_time, relay_cycle
 from brunovsky.analysis.robustness import Margins, lag_margin, loop_transfer, margins
+from brunovsky.analysis.sampled import largest_sampling_period, sampled_sliding_poles
 from brunovsky.analysis.sliding import (
     forward_disturbance_bound,
     matched_disturbance_bound,
@@ -24,6 +25,7 @@ from brunovsky.analysis.sliding import (
     yaw_disturbance_bound,
 )
 from brunovsky.analysis.system import to_control
+from brunovsky.analysis.twisting import super_twisting_condition, super_twisting_gains, super_twisting_slope_bound
 
 __all__ = [
     "Margins",
@@ -35,6 +37,7 @@ __all__ = [
     "error_dynamics",
     "forward_disturbance_bound",
     "lag_margin",
+    "largest_sampling_period",
     "loop_transfer",
     "lqr_gain",
     "margins",
@@ -42,7 +45,11 @@ __all__ = [
     "place",
     "reaching_time",
     "relay_cycle",
+    "sampled_sliding_poles",
     "sliding_gain",
+    "super_twisting_condition",
+    "super_twisting_gains",
+    "super_twisting_slope_bound",
     "surface_from_cost",
     "surface_from_poles",
     "surface_poles",

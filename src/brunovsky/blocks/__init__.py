@@ -12,12 +12,16 @@ from brunovsky.blocks.library import (
     integral_sliding_mode,
     linearized_robot,
     pole_placement,
+    preview,
     robot,
     robot_linearization,
     robot_system,
     set_point,
     sliding_mode,
     sliding_mode_relay,
+    sliding_mode_sampled,
+    super_twisting,
+    super_twisting_sampled,
 )
 from brunovsky.blocks.linearized import inner_loop, linearized_block, plant_block
 from brunovsky.blocks.variables import (
@@ -62,12 +66,16 @@ __all__ = [
     "linearized_robot",
     "plant_block",
     "pole_placement",
+    "preview",
     "robot",
     "robot_linearization",
     "robot_system",
     "set_point",
     "sliding_mode",
     "sliding_mode_relay",
+    "sliding_mode_sampled",
+    "super_twisting",
+    "super_twisting_sampled",
     "symbol",
     "symbols",
 ]

@@ -9,8 +9,11 @@ from brunovsky.blocks.library.outer_loops import (
     pole_placement,
     sliding_mode,
     sliding_mode_relay,
+    sliding_mode_sampled,
+    super_twisting,
+    super_twisting_sampled,
 )
-from brunovsky.blocks.library.references import circle, set_point
+from brunovsky.blocks.library.references import circle, preview, set_point
 from brunovsky.blocks.library.robot import linearized_robot, robot, robot_linearization, robot_system
 
 __all__ = [
@@ -22,10 +25,14 @@ __all__ = [
     "integral_sliding_mode",
     "linearized_robot",
     "pole_placement",
+    "preview",
     "robot",
     "robot_linearization",
     "robot_system",
     "set_point",
     "sliding_mode",
     "sliding_mode_relay",
+    "sliding_mode_sampled",
+    "super_twisting",
+    "super_twisting_sampled",
 ]
