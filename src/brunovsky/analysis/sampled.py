@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import get_args
 
-import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from brunovsky.analysis._checks import finite_scalar, surface_coefficients
 from brunovsky.analysis.design import surface_poles
-from brunovsky.analysis.integrator_chains import chain
 from brunovsky.blocks.library.outer_loops.surface_map import SurfaceMap, mean_rates
 from brunovsky.errors import ParameterError
 
@@ -60,9 +59,10 @@ def sampled_sliding_poles(
     *rates, gain = mean_rates(list(C), h, surface_map)
     if gain == 0.0:
         raise ParameterError(f"{where}: with C = {C.tolist()} v does not move S in {h:g} s; pass a shorter period")
-    sampled = control.sample_system(chain(C.size), h, method="zoh")
+    held = expm(h * np.eye(C.size + 1, k=1))[:-1]  # of the chain and its held input
     K = (q * C + np.array(rates)) / gain
-    return np.sort_complex(np.asarray(np.linalg.eigvals(sampled.A - sampled.B @ K[np.newaxis]), dtype=np.complex128))
+    poles = np.linalg.eigvals(held[:, :-1] - np.outer(held[:, -1], K))
+    return np.sort_complex(np.asarray(poles, dtype=np.complex128))
 
 
 def largest_sampling_period(
