@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from math import factorial
 from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from brunovsky.analysis._checks import finite_scalar, surface_coefficients
@@ -56,13 +56,9 @@ def sampled_sliding_poles(
     q = 1 / h if reaching_rate is None else finite_scalar(reaching_rate, "Q", where)
     if surface_map not in get_args(SurfaceMap):
         raise ParameterError(f"{where}: surface_map = {surface_map!r} is unknown; pass 'euler' or 'exact'")
-    *rates, gain = mean_rates(list(C), h, surface_map)
-    if gain == 0.0:
+    if mean_rates(list(C), h, surface_map)[-1] == 0.0:
         raise ParameterError(f"{where}: with C = {C.tolist()} v does not move S in {h:g} s; pass a shorter period")
-    held = expm(h * np.eye(C.size + 1, k=1))[:-1]  # of the chain and its held input
-    K = (q * C + np.array(rates)) / gain
-    poles = np.linalg.eigvals(held[:, :-1] - np.outer(held[:, -1], K))
-    return np.sort_complex(np.asarray(poles, dtype=np.complex128))
+    return np.sort_complex(1 + h * _rates(C, np.array([h]), np.array([q]), surface_map)[0])
 
 
 def largest_sampling_period(
@@ -87,7 +83,7 @@ def largest_sampling_period(
     Raises
     ------
     ParameterError
-        If a number is not finite, cn or Q is zero, or the surface is not stable.
+        If a number is not finite, cn or Q is zero, or the surface is not stable or all but undamped.
 
     References
     ----------
@@ -102,16 +98,35 @@ def largest_sampling_period(
         )
     Q = None if reaching_rate is None else finite_scalar(reaching_rate, "Q", where, minimum=0.0, strict=True)
 
-    def excess(period: float) -> float:
-        found = sampled_sliding_poles(C, period, reaching_rate=Q, surface_map=surface_map)
-        return float(np.max(np.abs(found))) - 1.0
+    def excess(periods: ArrayLike) -> NDArray[np.float64]:
+        h = np.atleast_1d(np.asarray(periods, dtype=np.float64))
+        rates = _rates(C, h, 1 / h if Q is None else np.full_like(h, Q), surface_map)
+        return np.asarray((2 * rates.real + h[:, np.newaxis] * abs(rates) ** 2).max(axis=1), dtype=np.float64)
 
-    rates = np.abs(poles) if Q is None else np.append(np.abs(poles), Q)
-    if rates.size == 0:
+    scales = np.abs(poles) if Q is None else np.append(np.abs(poles), Q)
+    if scales.size == 0:
         return float("inf")
-    before = 1e-2 / np.max(rates)
-    for period in np.geomspace(before, 1e3 / np.min(rates), 600)[1:]:
-        if excess(period) > 0.0:
-            return float(brentq(excess, before, period, xtol=1e-15 * period, rtol=1e-12))
-        before = period
-    return float("inf")
+    periods = np.geomspace(1e-6 / np.max(scales), 1e3 / np.min(scales), 2000)
+    unstable = np.flatnonzero(excess(periods) > 0.0)
+    if unstable.size == 0:
+        return float("inf")
+    if unstable[0] == 0:
+        raise ParameterError(
+            f"{where}: the surface C = {C.tolist()} is so lightly damped that the limit is below {periods[0]:.2g} s; "
+            "surface_from_poles gives others"
+        )
+    before, after = periods[unstable[0] - 1 : unstable[0] + 1]
+    return float(brentq(lambda period: excess(period)[0], before, after, xtol=1e-15 * after, rtol=1e-12))
+
+
+def _rates(
+    C: NDArray[np.float64], h: NDArray[np.float64], q: NDArray[np.float64], surface_map: SurfaceMap
+) -> NDArray[np.complex128]:
+    """(z - 1)/h of the poles for several periods h and rates q, shape (m,) both, as an array of shape (m, n)."""
+    n = C.size
+    *row, gain = mean_rates(list(C), h, surface_map)
+    K = np.stack([(q * c + rate) / gain for c, rate in zip(C, row, strict=True)], axis=-1)
+    moved = np.zeros((h.size, n, n + 1))  # of the chain and its held input: h^k/k! on diagonal k
+    for k in range(1, n + 1):
+        moved += np.multiply.outer(h ** (k - 1) / factorial(k), np.eye(n, n + 1, k))
+    return np.asarray(np.linalg.eigvals(moved[:, :, :-1] - moved[:, :, -1:] * K[:, np.newaxis]), dtype=np.complex128)
