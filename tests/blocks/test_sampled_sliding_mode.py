@@ -169,6 +169,16 @@ def test_euler_s_rule_is_warned_of_where_large_errors_grow():
     assert abs(chain_run(exact, 40.0, start=1.0, step_size=0.03, period=0.15)[1][-1]) < 1e-6
 
 
+@pytest.mark.parametrize("scheme", ["implicit", "explicit"])
+@pytest.mark.parametrize("surface_map", ["euler", "exact"])
+def test_constant_rate_reaching_is_not_mistaken_for_instability(scheme, surface_map):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        law = B.sliding_mode_sampled(chain_plant(), C, Q=0.0, P=10.0, scheme=scheme, surface_map=surface_map)
+    time, s, _ = chain_run(law)
+    assert abs(s[time > 5]).max() <= (1e-12 if scheme == "implicit" else 0.11)
+
+
 surfaces = st.integers(1, 4).flatmap(
     lambda r: st.tuples(st.lists(st.floats(-1.0, 20.0), min_size=r - 1, max_size=r - 1), st.sampled_from([1.0, -2.0]))
 )

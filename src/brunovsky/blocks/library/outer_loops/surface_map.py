@@ -120,8 +120,12 @@ def _eulerian(n: int, k: int) -> int:
 def period_checks(
     c: Gains, surface_map: SurfaceMap, *, q: Gains | None = None, when: Literal["start", "failure"] = "start"
 ) -> tuple[Check, ...]:
-    """The sampled linear part is stable: with S+ = 0 where ``q`` is not given, else with S+ = (1 - h q) S."""
+    """The sampled linear part is stable: with S+ = 0 where ``q`` is not given, else with S+ = (1 - h q) S.
+
+    q = 0, which leaves S alone, is taken as the limit from above.
+    """
     h = PERIOD.symbol
+    least = sp.Float(1e-6) / h
     remedy = "take a shorter one" + ("" if surface_map == "exact" else ", or surface_map='exact'")
     what = "on the surface" if q is None else "off the surface, where the linear part with Q acts,"
     argument = "" if q is None else ", reaching_rate=Q"
@@ -129,7 +133,9 @@ def period_checks(
     return tuple(
         Check(
             "sampling period" if when == "start" else "sampling",
-            sampled_stability([one.symbol for one in row], 1 / h if rate is None else rate.symbol, h, surface_map),
+            sampled_stability(
+                [one.symbol for one in row], 1 / h if rate is None else rate.symbol + least, h, surface_map
+            ),
             f"{PERIOD.name} is too long: {what} the sampled error of the surface "
             f"{', '.join(one.name for one in row)} grows; {remedy} "
             f"(brunovsky.analysis.largest_sampling_period(surface{argument}, surface_map='{surface_map}'))",
