@@ -30,6 +30,10 @@ LOOPS: dict[str, Callable[[br.Block], br.Block]] = {
     "relay": lambda plant: B.sliding_mode_relay(plant, SURFACE, dwell=0.002),
     "integral sliding mode": lambda plant: B.integral_sliding_mode(plant, analysis.place([-4.0, -5.0, -6.0])),
     "disturbance observer": lambda plant: B.disturbance_observer(plant, analysis.place([-4.0, -5.0, -6.0])),
+    "sampled, implicit": lambda plant: B.sliding_mode_sampled(plant, SURFACE),
+    "sampled, explicit": lambda plant: B.sliding_mode_sampled(plant, SURFACE, scheme="explicit", surface_map="exact"),
+    "super-twisting": lambda plant: B.super_twisting(plant, SURFACE),
+    "super-twisting, sampled": lambda plant: B.super_twisting_sampled(plant, SURFACE),
 }
 
 

@@ -7,7 +7,14 @@ from outer_loop_cases import LOOPS, REGULATION, B, chain_loop, chain_plant
 import brunovsky as br
 from brunovsky.blocks import Chains
 
-IN_CI = ("LQR, integral", "constant rate", "relay", "integral sliding mode", "disturbance observer")
+IN_CI = (
+    "LQR, integral",
+    "constant rate",
+    "relay",
+    "integral sliding mode",
+    "disturbance observer",
+    "super-twisting, sampled",
+)
 
 
 @pytest.mark.parametrize("name", LOOPS)

@@ -9,13 +9,14 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
+from brunovsky.blocks import Block
 from brunovsky.fmi import export_fmu
 from brunovsky.native import simulate
 
 sys.path.append(str(Path(__file__).parents[1] / "blocks"))
 from outer_loop_cases import LOOPS, SURFACE, B, chain_loop, chain_plant
 
-BY_STEPS = {"sign", "power rate, sign"}  # refused by model exchange
+BY_STEPS = {"sign", "power rate, sign", "super-twisting"}  # refused by model exchange
 
 
 def run(fmu: Path, kind: str, **options: object) -> np.ndarray:
@@ -57,7 +58,8 @@ def test_the_sign_function_is_refused_by_model_exchange(name: str, tmp_path: Pat
     messages: list[str] = []
     with pytest.raises(FMICallException, match="fmi2ExitInitializationMode"):
         run(fmu, "ModelExchange", logger=lambda *message: messages.append(str(message[-1])))
-    assert any("sliding_mode_relay" in one for one in messages)
+    remedy = "super_twisting_sampled" if name == "super-twisting" else "sliding_mode_relay"
+    assert any(remedy in one for one in messages)
 
 
 def test_the_measured_robot_is_an_fmu(tmp_path: Path) -> None:
@@ -69,3 +71,41 @@ def test_the_measured_robot_is_an_fmu(tmp_path: Path) -> None:
     expected = simulate(block, 1.5, inputs=inputs)
     for name in ("Z1[3]", "Z2[3]", "x"):
         np.testing.assert_allclose(found[name], expected[name].values[::10], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        B.super_twisting(),
+        B.super_twisting_sampled(),
+        B.sliding_mode_sampled(surface_map="exact", preview=True),
+        B.preview(B.circle()),
+    ],
+    ids=lambda one: one.name,
+)
+def test_a_law_by_itself_is_an_fmu(block: Block, tmp_path: Path) -> None:
+    """Between samples its outputs are the native ones; at a sample they wait for the next step and its inputs."""
+    fmu = export_fmu(block, tmp_path / "law.fmu")
+    assert validate_fmu(str(fmu)) == []
+    names = [one.name for one in block.inputs]
+    rate = 0.0 if block.states else 3.0  # a law that is not sampled shows the inputs of the step before
+    inputs = {name: (lambda time, k=k: 1e-3 * np.sin(rate * time + k)) for k, name in enumerate(names)}
+    expected = simulate(block, 0.2, inputs=inputs)
+    time = expected["time"].values
+    signals = np.array(
+        [(t, *(inputs[name](t) for name in names)) for t in time], dtype=[(one, float) for one in ("time", *names)]
+    )
+    found = fmpy.simulate_fmu(
+        str(fmu),
+        fmi_type="CoSimulation",
+        stop_time=0.2,
+        output_interval=1e-3,
+        input=signals if names else None,
+        use_event_mode=False,
+    )
+    between = np.arange(len(time)) % 10 != 0
+    for one in block.outputs:
+        if not one.name.startswith("S"):  # S is of the inputs of the step before
+            np.testing.assert_allclose(
+                found[one.name][between], expected[one.name].values[between], rtol=1e-9, atol=1e-9
+            )

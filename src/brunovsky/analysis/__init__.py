@@ -7,7 +7,8 @@ loop at its actuators, `input_sensitivity` says what v costs at u for any plant.
 
 A `SwitchingLoop` is a chain under the switching law behind an actuator with lags, delay or sampling. Its chatter is
 predicted by describing function (`limit_cycles`) and exactly (`relay_locus`, `sampled_relay`), and measured
-(`simulated_cycle`, `basin`); `chatter` sets the three side by side.
+(`simulated_cycle`, `basin`); `chatter` sets the three side by side. `sampled` and `twisting` say for which periods and
+gains the sampled laws and super-twisting work.
 
 `system` hands a whole block to python-control.
 """
@@ -36,6 +37,7 @@ from brunovsky.analysis.reaching import RelayCycle, reaching_time, relay_cycle
 from brunovsky.analysis.relay_locus import relay_cycles, relay_locus
 from brunovsky.analysis.robustness import Margins, lag_margin, loop_margins, loop_transfer, margins
 from brunovsky.analysis.root_locus import pole_zero_map, root_locus_over_reaching_rate, root_locus_over_surface_gain
+from brunovsky.analysis.sampled import largest_sampling_period, sampled_sliding_poles
 from brunovsky.analysis.sampled_relay import sampled_chatter_band, sampled_cycles
 from brunovsky.analysis.set_point import (
     bandwidth,
@@ -55,6 +57,7 @@ from brunovsky.analysis.sliding import (
 from brunovsky.analysis.steady_motion import SteadyMotion, steady_motion
 from brunovsky.analysis.switching_loop import SwitchingLoop
 from brunovsky.analysis.system import to_control
+from brunovsky.analysis.twisting import super_twisting_condition, super_twisting_gains, super_twisting_slope_bound
 
 __all__ = [
     "ChatterRow",
@@ -91,6 +94,7 @@ __all__ = [
     "input_sensitivity_plot",
     "lag_margin",
     "lagged_reaching",
+    "largest_sampling_period",
     "loop_margins",
     "loop_transfer",
     "lqr_gain",
@@ -111,12 +115,16 @@ __all__ = [
     "root_locus_over_surface_gain",
     "sampled_chatter_band",
     "sampled_cycles",
+    "sampled_sliding_poles",
     "sensitivity",
     "set_point_transfer",
     "simulated_cycle",
     "sliding_gain",
     "steady_motion",
     "step_information",
+    "super_twisting_condition",
+    "super_twisting_gains",
+    "super_twisting_slope_bound",
     "surface_from_cost",
     "surface_from_poles",
     "surface_motion",

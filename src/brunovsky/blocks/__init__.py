@@ -17,6 +17,7 @@ from brunovsky.blocks.library import (
     pole_placement,
     posture_loop,
     posture_reference,
+    preview,
     robot,
     robot_linearization,
     robot_system,
@@ -24,7 +25,10 @@ from brunovsky.blocks.library import (
     set_point,
     sliding_mode,
     sliding_mode_relay,
+    sliding_mode_sampled,
     sliding_sector,
+    super_twisting,
+    super_twisting_sampled,
 )
 from brunovsky.blocks.linearized import inner_loop, linearized_block, plant_block
 from brunovsky.blocks.variables import (
@@ -74,6 +78,7 @@ __all__ = [
     "pole_placement",
     "posture_loop",
     "posture_reference",
+    "preview",
     "robot",
     "robot_linearization",
     "robot_system",
@@ -81,7 +86,10 @@ __all__ = [
     "set_point",
     "sliding_mode",
     "sliding_mode_relay",
+    "sliding_mode_sampled",
     "sliding_sector",
+    "super_twisting",
+    "super_twisting_sampled",
     "symbol",
     "symbols",
 ]

@@ -294,4 +294,4 @@ class Block:
     def failed_checks(self, values: Mapping[str, float], *whens: str) -> list[Check]:
         """Checks of the given kinds whose condition does not hold for these parameter values."""
         numbers = {parameter.symbol: sp.Float(values[parameter.name]) for parameter in self.parameters}
-        return [one for one in self.checks if one.when in whens and one.condition.subs(numbers) == sp.false]
+        return [one for one in self.checks if one.when in whens and one.condition.xreplace(numbers) == sp.false]

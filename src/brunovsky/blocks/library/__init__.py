@@ -9,8 +9,11 @@ from brunovsky.blocks.library.outer_loops import (
     pole_placement,
     sliding_mode,
     sliding_mode_relay,
+    sliding_mode_sampled,
+    super_twisting,
+    super_twisting_sampled,
 )
-from brunovsky.blocks.library.references import circle, set_point
+from brunovsky.blocks.library.references import circle, preview, set_point
 from brunovsky.blocks.library.relatives import (
     backstepping,
     flat_sliding_mode,
@@ -36,6 +39,7 @@ __all__ = [
     "pole_placement",
     "posture_loop",
     "posture_reference",
+    "preview",
     "robot",
     "robot_linearization",
     "robot_system",
@@ -43,5 +47,8 @@ __all__ = [
     "set_point",
     "sliding_mode",
     "sliding_mode_relay",
+    "sliding_mode_sampled",
     "sliding_sector",
+    "super_twisting",
+    "super_twisting_sampled",
 ]

@@ -11,6 +11,7 @@ from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.library.chains import ROBOT_CHAINS, Chains
 from brunovsky.blocks.library.errors import errors
 from brunovsky.blocks.library.outer_loops import sliding_mode
+from brunovsky.blocks.library.outer_loops.surface_map import PERIOD
 from brunovsky.blocks.library.references import circle, set_point
 from brunovsky.blocks.library.robot import linearized_robot
 from brunovsky.blocks.variables import symbol
@@ -85,7 +86,7 @@ def closed_loop(
         connections=connections,
         inputs=inputs,
         outputs=shown,
-        parameters=_exported(own, taken | {symbol(one) for one in shown}),
+        parameters=_with_one_period(_exported(own, taken | {symbol(one) for one in shown})),
         values=FIGURE_6_OUTSIDE if plant is None else {},
     )
 
@@ -100,3 +101,12 @@ def _exported(names: Mapping[str, Sequence[str]], taken: Collection[sp.Symbol]) 
             used.add(symbol(name))
             exported[name] = f"{component}.{one}"
     return exported
+
+
+def _with_one_period(parameters: Mapping[str, str]) -> dict[str, str | Sequence[str]]:
+    """A reference known one sample ahead and its outer loop share their sampling period."""
+    periods = tuple(f"{component}.{PERIOD.name}" for component in ("reference", "controller"))
+    names = {behind: name for name, behind in parameters.items()}
+    if not set(periods) <= set(names):
+        return dict(parameters)
+    return {name: behind for name, behind in parameters.items() if behind not in periods} | {names[periods[0]]: periods}

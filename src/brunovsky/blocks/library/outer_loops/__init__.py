@@ -5,6 +5,9 @@ from brunovsky.blocks.library.outer_loops.integral_sliding_mode import integral_
 from brunovsky.blocks.library.outer_loops.pole_placement import pole_placement
 from brunovsky.blocks.library.outer_loops.sliding_mode import sliding_mode
 from brunovsky.blocks.library.outer_loops.sliding_mode_relay import sliding_mode_relay
+from brunovsky.blocks.library.outer_loops.sliding_mode_sampled import sliding_mode_sampled
+from brunovsky.blocks.library.outer_loops.super_twisting import super_twisting
+from brunovsky.blocks.library.outer_loops.super_twisting_sampled import super_twisting_sampled
 from brunovsky.blocks.library.outer_loops.switching import saturation
 
 __all__ = [
@@ -14,4 +17,7 @@ __all__ = [
     "saturation",
     "sliding_mode",
     "sliding_mode_relay",
+    "sliding_mode_sampled",
+    "super_twisting",
+    "super_twisting_sampled",
 ]

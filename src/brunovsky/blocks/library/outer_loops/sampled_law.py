@@ -1,0 +1,60 @@
+"""What sampled outer loops share: the period, the inputs, and v[i] computed at each sample and held."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from collections.abc import Mapping
+
+import sympy as sp
+
+from brunovsky.blocks.block import Block
+from brunovsky.blocks.library.chains import Chains
+from brunovsky.blocks.library.gains import Gains
+from brunovsky.blocks.library.outer_loops.surface_map import PERIOD, SurfaceMap, mean_rate, references_ahead
+from brunovsky.blocks.variables import Input, Output, Parameter, Sample
+from brunovsky.errors import ParameterError
+
+
+def sampling_period(period: float, law: str) -> Parameter:
+    """Parameter ``sampling_period`` with this default.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a positive number; ``law`` names the block.
+    """
+    if not isinstance(period, int | float) or not PERIOD.minimum <= period < float("inf"):
+        raise ParameterError(
+            f"{law}: the sampling period {period!r} s is not a finite number from {PERIOD.minimum:g} s on; give the "
+            "time between two samples, or take a law that is not sampled"
+        )
+    return dataclasses.replace(PERIOD, value=float(period))
+
+
+def warned(block: Block) -> Block:
+    """The block, with a warning for each check of its defaults that explains failures without refusing them."""
+    for check in block.failed_checks(block.parameter_values(), "failure"):
+        warnings.warn(f"{block.name}: {check.message}", stacklevel=3)
+    return block
+
+
+def sampled_inputs(chains: Chains, *, preview: bool) -> tuple[Input, ...]:
+    """Inputs of the chains, and with ``preview`` the reference at the next sample."""
+    ahead = (one for i in chains.numbers for one in references_ahead(chains, i)) if preview else ()
+    return (*chains.inputs, *ahead)
+
+
+def held_law(
+    chains: Chains, reaching: Mapping[int, sp.Expr], c: Gains, surface_map: SurfaceMap, *, preview: bool
+) -> tuple[tuple[Sample, ...], tuple[Output, ...]]:
+    """Samples and outputs ``v[i]`` for which (S_i+ - S_i)/h is as given."""
+    law = {}
+    for i, wanted in reaching.items():
+        rest, gain = mean_rate(chains, i, c[i], surface_map, preview=preview)
+        law[i] = (wanted - rest) / gain
+    computed = chains.outer_inputs(law)
+    samples = tuple(
+        Sample(one.name, one.unit, f"{one.description}, held", one.expression, period=PERIOD.symbol) for one in computed
+    )
+    return samples, tuple(dataclasses.replace(one, expression=one.symbol) for one in computed)
