@@ -4,10 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
+import sympy as sp
 from gallery_blocks import GALLERY, expected_chains, gallery_block, linearized, random_start, regular_part
 
 import brunovsky as br
-from brunovsky.blocks import Block
+from brunovsky.blocks import Block, Variable
 
 
 def check_chains(name: str, block: Block, values: dict[str, float], inputs: Mapping[str, float]) -> None:
@@ -69,3 +70,13 @@ def test_without_a_limit_the_law_fails_at_its_singularity_and_says_so() -> None:
     block = br.linearized_block(linearized("unicycle"))
     with pytest.raises(br.BrunovskyError, match=r"singular at v = 0; start away from it or set v_min > 0"):
         br.simulate(block, 0.1)
+
+
+@pytest.mark.parametrize("name", ["t", "x'", r"\theta", "Z1_1", "singular", "v_1"])
+def test_a_symbol_that_cannot_be_a_variable_needs_a_label(name: str) -> None:
+    state, rate, force = sp.Symbol(name, real=True), *sp.symbols("rate force", real=True)
+    linearization = br.linearize(br.AffineSystem((state, rate), (force,), [rate, 0], [0, 1], (state,)))
+    with pytest.raises(br.BrunovskyError, match=r"give it another one with labels="):
+        br.linearized_block(linearization)
+    block = br.linearized_block(linearization, labels={state: Variable("position", "m", "position")})
+    assert [one.name for one in block.outputs][:2] == ["position", "rate"]

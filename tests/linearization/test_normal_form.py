@@ -118,7 +118,7 @@ def test_without_input_free_functions_states_complete_the_map() -> None:
     system = AffineSystem(x, u, [0, 0, -x[2], -x[3]], gains, (x[0], x[1]))
     form = linearize(system).normal_form
     assert not form.input_free
-    assert "the derivatives contain inputs" in linearize(system).explain()
+    assert "whose derivatives contain inputs" in linearize(system).explain()
     assert linearize(system).zero_dynamics.field == sp.Matrix([-form.complement[0], -form.complement[1]])
 
 

@@ -123,7 +123,7 @@ def test_errata_the_printed_matrix_is_not_the_derivative_of_equation_12() -> Non
 def test_operating_point_is_refused_only_where_the_law_does_not_exist() -> None:
     regular = linearize(nominal_robot(), operating_point={"eta1": 0.5, THETA: 0})
     assert regular.determinant == -ETA1
-    with pytest.raises(LinearizationError, match=r"operating point \(eta1 = 0\).*determinant -eta1.*Eq\(eta1, 0\)"):
+    with pytest.raises(LinearizationError, match=r"operating point \(eta1 = 0\).*determinant -eta1.*eta1 = 0"):
         linearize(nominal_robot(), operating_point={ETA1: 0})
     with pytest.raises(ParameterError, match=r"speed is not a state or parameter.*known: x, y, theta, eta1, eta2, u1"):
         linearize(nominal_robot(), operating_point={"speed": 1})

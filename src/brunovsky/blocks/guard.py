@@ -14,6 +14,7 @@ import sympy as sp
 
 from brunovsky.blocks.variables import Check, Parameter, Relation, Variable
 from brunovsky.errors import ModelError
+from brunovsky.linearization.simplify import factors
 
 
 @dataclass(frozen=True)
@@ -90,13 +91,13 @@ def find_guards(
     ModelError
         If a limit is given for something that is no factor of the locus.
     """
-    factors = _factors(locus)
+    vanishing = _factors(locus)
     for key in limits:
-        if not {key, -key} & set(factors):
-            there = ", ".join(map(str, factors)) or "none, the law has no singularity"
+        if not {key, -key} & set(vanishing):
+            there = ", ".join(map(str, vanishing)) or "none, the law has no singularity"
             raise ModelError(f"guards: {key} is no factor of the singular locus; its factors are: {there}")
     denominators = [sp.fraction(sp.together(expression))[1] for expression in expressions]
-    found = [one for one in factors if any(_power(denominator, one) for denominator in denominators)]
+    found = [one for one in vanishing if any(_power(denominator, one) for denominator in denominators)]
     guards: list[Guard] = []
     for k, factor in enumerate(found, 1):
         denominator = -factor if -factor in limits else factor
@@ -130,11 +131,11 @@ def _limit(label: Variable | None, value: float, number: int, shown: str) -> Par
 
 
 def _factors(locus: sp.Basic) -> list[sp.Expr]:
-    return [] if locus == sp.false else [factor for factor, _ in sp.factor_list(locus.lhs)[1]]
+    return [] if locus == sp.false else [factor for factor, _ in factors(locus.lhs)]
 
 
 def _power(denominator: sp.Expr, factor: sp.Expr) -> int:
     """Power with which a factor occurs in a denominator, signs apart."""
     if not denominator.free_symbols:
         return 0
-    return sum(int(power) for one, power in sp.factor_list(denominator)[1] if one in (factor, -factor))
+    return sum(int(power) for one, power in factors(denominator) if one in (factor, -factor))

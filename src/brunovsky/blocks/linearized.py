@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 
 import sympy as sp
@@ -11,10 +12,11 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.guard import find_guards, guarded
 from brunovsky.blocks.units import derivative_unit
-from brunovsky.blocks.variables import Input, Output, Parameter, State, Variable, symbol
+from brunovsky.blocks.variables import NAME, TIME, Input, Output, Parameter, State, Variable, symbol
 from brunovsky.errors import ModelError
 from brunovsky.linearization import AffineSystem, Linearization, measured_chains
 
+_TAKEN = re.compile(r"v_\d+|Z\d+_\d+|singular")  # symbols of v[i], Zi[k] and of the output that tells of the guard
 Labels = Mapping[sp.Symbol, Variable]
 Values = Mapping[sp.Symbol | str, float]
 Declarations = Sequence[Parameter] | Values
@@ -253,7 +255,16 @@ def _chain_outputs(
 
 
 def _labelled(symbols: Iterable[sp.Symbol], labels: Labels | None) -> dict[sp.Symbol, Variable]:
-    return {one: (labels or {}).get(one) or Variable(str(one)) for one in symbols}
+    """Variables of symbols, as labelled or with the symbol's own name."""
+    given = labels or {}
+    for one in symbols:
+        name = str(one)
+        if one not in given and (not NAME.fullmatch(name) or name in (str(TIME), "time") or _TAKEN.fullmatch(name)):
+            raise ModelError(
+                f"'{name}' can't be the name of a variable of the block; give it another one with "
+                f"labels={{symbol: Variable('name', 'unit', 'description')}}"
+            )
+    return {one: given.get(one) or Variable(str(one)) for one in symbols}
 
 
 def _parameter_symbols(parameters: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:

@@ -123,13 +123,17 @@ def rate(symbol: sp.Symbol) -> Formula:
 
 
 def latex(expression: sp.Basic | sp.MatrixBase) -> str:
-    """LaTeX of an expression, names like d1_dot and d1_ddot set as derivatives."""
-    names = {}
-    for symbol in expression.free_symbols:
-        if match := _DERIVATIVE.fullmatch(symbol.name):
-            accent = rf"\{match[2]}ot" if len(match[2]) < 5 else rf"{{}}^{{({len(match[2])})}}"
-            names[symbol] = f"{accent}{{{sp.latex(sp.Symbol(match[1]))}}}"
-    return str(sp.latex(expression, symbol_names=names))
+    """LaTeX of an expression, names like d1_dot set as derivatives, words upright and not as products of letters."""
+    return str(sp.latex(expression, symbol_names={symbol: _set(symbol.name) for symbol in expression.free_symbols}))
+
+
+def _set(name: str) -> str:
+    if match := _DERIVATIVE.fullmatch(name):
+        accent = rf"\{match[2]}ot" if len(match[2]) < 5 else rf"{{}}^{{({len(match[2])})}}"
+        return f"{accent}{{{_set(match[1])}}}"
+    plain = str(sp.latex(sp.Symbol(name)))
+    word = re.match(r"[A-Za-z]{2,}", plain)
+    return rf"\mathrm{{{word[0]}}}{plain[word.end() :]}" if word else plain
 
 
 def text(sentence: str) -> Formula:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
@@ -34,7 +35,8 @@ class DisturbanceMap(Explained):
         With the derivatives of the outputs measured instead: y_i^(r_i) = v_i + measured[i]. Everything is matched
         then, and the disturbances' rates appear.
     rates : mapping of sympy.Symbol to sympy.Symbol
-        The symbols that stand for the rates of disturbances and inputs in `measured`.
+        What stands for the rates of disturbances and inputs in `measured`, and for the rates of these: d1 to d1_dot,
+        d1_dot to d1_ddot, ...
     inputs : tuple of sympy.Symbol
         The inputs of the extended system.
     """
@@ -102,8 +104,8 @@ class DisturbanceMap(Explained):
         surface : sequence of sequences
             Per chain c_1, ..., c_r, numbers or expressions; taken as positive.
         amplitudes : mapping of sympy.Symbol to number or sympy.Expr
-            Bound of abs(d) for a disturbance (and of its rate, by the symbol of the rate), of abs(p - nominal) for a
-            parameter; a source that is left out is taken as zero.
+            Bound of abs(d) for a disturbance, of abs(p - nominal) for a parameter; a source that is left out counts as
+            zero. With `measured`, also of each rate of these disturbances that occurs, by the symbol of the rate.
         measured : bool
             Whether the chain coordinates are measured rather than computed from the nominal model.
         worst_angles : sequence of sympy.Symbol
@@ -118,6 +120,8 @@ class DisturbanceMap(Explained):
         ------
         LinearizationError
             If a source enters nonlinearly, or a worst angle otherwise than as a sin + b cos.
+        ModelError
+            If the surface does not fit the chains, or a rate that occurs has no bound.
         """
         if len(surface) != len(self.model):
             raise ModelError(f"the surface has {len(surface)} rows for {len(self.model)} chains; give one per chain")
@@ -127,8 +131,20 @@ class DisturbanceMap(Explained):
                 raise ModelError(f"{tuple(weights)} has {len(weights)} weights for a chain of length {len(chain)}")
             links = (*(sp.S.Zero,) * (len(chain) - 1), highest) if measured else chain
             total = sp.Add(*(sp.sympify(weight) * part for weight, part in zip(weights, links, strict=True)))
+            self._check_rates(total, amplitudes)
             bounds.append(_bound(total, (*self.sources, *self.rates.values()), amplitudes, worst_angles))
         return tuple(bounds)
+
+    def _check_rates(self, total: sp.Expr, amplitudes: Mapping[sp.Symbol, Any]) -> None:
+        for source in self.sources:
+            one = source
+            while source in amplitudes and one in self.rates:
+                one = self.rates[one]
+                if total.has(one) and one not in amplitudes:
+                    raise ModelError(
+                        f"amplitudes: {source} is bounded, but with measured chains its derivative {one} enters too; "
+                        f"give a bound of {one} as well, or use the chains computed from the model"
+                    )
 
 
 def disturbance_map(linearization: Linearization, plant: AffineSystem | None = None) -> DisturbanceMap:
@@ -169,7 +185,7 @@ def disturbance_map(linearization: Linearization, plant: AffineSystem | None = N
     model = tuple(tuple(added(function) for function in chain) for chain in linearization.chains)
     sources = (*plant.disturbances, *(one for one in plant.parameters if one not in nominal.parameters))
     taken = {str(one) for one in (*states, *extended.inputs, *plant.parameters, *plant.disturbances)}
-    rates = {one: rate(one, taken) for one in (*plant.disturbances, *extended.inputs)}
+    rates = _rates((*plant.disturbances, *extended.inputs), taken, max(linearization.relative_degree) - 1)
     moving = extended.drift + extended.input_matrix * sp.Matrix(extended.inputs) + error
     measured = []
     for chain in model:
@@ -178,8 +194,24 @@ def disturbance_map(linearization: Linearization, plant: AffineSystem | None = N
             along = (sp.Matrix([total]).jacobian(states) * moving)[0]
             total = along + sum(sp.diff(total, one) * name for one, name in rates.items()) + part
         measured.append(tidy(total))
-    used = {one: name for one, name in rates.items() if any(part.has(name) for part in measured)}
-    return DisturbanceMap(sources, model, tuple(measured), FrozenMapping(used), extended.inputs)
+    used = [name for name in rates.values() if any(part.has(name) for part in measured)]
+    needed = {one: name for one, name in rates.items() if {name, *_following(name, rates)} & set(used)}
+    return DisturbanceMap(sources, model, tuple(measured), FrozenMapping(needed), extended.inputs)
+
+
+def _rates(symbols: Sequence[sp.Symbol], taken: set[str], order: int) -> dict[sp.Symbol, sp.Symbol]:
+    """Each symbol with the symbol of its rate, that with the next, up to an order."""
+    rates: dict[sp.Symbol, sp.Symbol] = {}
+    for symbol in symbols:
+        derivatives = [symbol, *(rate(symbol, taken, k) for k in range(1, order + 1))]
+        rates |= dict(itertools.pairwise(derivatives))
+    return rates
+
+
+def _following(symbol: sp.Symbol, rates: Mapping[sp.Symbol, sp.Symbol]) -> Iterator[sp.Symbol]:
+    while symbol in rates:
+        symbol = rates[symbol]
+        yield symbol
 
 
 def _excess(i: int, k: int, order: int) -> Formula:

@@ -7,7 +7,7 @@ from itertools import combinations
 import sympy as sp
 
 from brunovsky.linearization.rank import generic_rank, in_sines_and_cosines
-from brunovsky.linearization.simplify import factored, tidy
+from brunovsky.linearization.simplify import factored, tidy, vanishing_factors
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def eliminate(
     chosen, right, divisor = _square(matrix[:, pivots], right)
     solution = chosen.adjugate() * right / divisor
     values = {unknowns[column]: value for column, value in zip(pivots, solution, strict=True)}
-    return Elimination(values, left, tuple(may_vanish(divisor)))
+    return Elimination(values, left, tuple(vanishing_factors(divisor)))
 
 
 def _square(matrix: sp.Matrix, right: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix, sp.Expr]:
@@ -55,7 +55,7 @@ def _square(matrix: sp.Matrix, right: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix, 
     for chosen in combinations(range(matrix.rows), matrix.cols):
         rows = matrix[list(chosen), :]
         divisor = factored(rows.det(method="berkowitz"))
-        if matrix.rows == matrix.cols or (divisor != 0 and not may_vanish(divisor)):
+        if matrix.rows == matrix.cols or (divisor != 0 and not vanishing_factors(divisor)):
             return rows, right[list(chosen), :], divisor
     normal = (matrix.T * matrix).applyfunc(tidy)
     return normal, matrix.T * right, factored(normal.det(method="berkowitz"))
@@ -106,7 +106,7 @@ def _linear(condition: sp.Expr, symbol: sp.Symbol) -> tuple[sp.Expr, list[sp.Exp
     slope = tidy(sp.diff(condition, symbol))
     if slope == 0 or slope.has(symbol):
         return None
-    return tidy(-condition.subs(symbol, 0) / slope), may_vanish(slope)
+    return tidy(-condition.subs(symbol, 0) / slope), vanishing_factors(slope)
 
 
 def tidy_polynomial(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> sp.Expr:
@@ -116,9 +116,3 @@ def tidy_polynomial(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> sp.Exp
         return tidy(expression)
     terms = sp.collect(sp.expand(expression), present, evaluate=False)
     return sp.Add(*(tidy(coefficient) * monomial for monomial, coefficient in terms.items()))
-
-
-def may_vanish(expression: sp.Expr) -> list[sp.Expr]:
-    """Factors of a numerator that are not known to be nonzero."""
-    factors = sp.factor_list(sp.fraction(factored(expression))[0])[1]
-    return [factor for factor, _ in factors if not factor.is_nonzero]

@@ -25,7 +25,8 @@ def derivation(linearization: Linearization) -> Iterator[Line]:
     yield from _system(system)
     for step in steps:
         yield from _derivatives(step.system, step.derivatives)
-        through = tuple(step.transformation.combinations.values()) if step.transformation else step.delayed
+        combinations = step.transformation.combinations if step.transformation else {}
+        through = tuple(combinations.get(one, one) for one in step.delayed)
         yield Sentence(
             "G has generic rank {}, not {}: outputs {} depend on each other through {} alone, so it is singular "
             "everywhere and static feedback does not decouple them. "
@@ -69,7 +70,8 @@ def _derivatives(system: AffineSystem, derivatives: OutputDerivatives) -> Iterat
             yield Equation(_lie(index, order), (*chain, derivatives.drift_term[index])[order])
     yield Sentence("Relative degree: {}.", (derivatives.relative_degree,))
     highest = Formula("y^(r) = F + G u", "y^{(r)} = F + G u")
-    yield Sentence("The highest derivatives are {} with the inputs {} in that order and", (highest, system.inputs))
+    inputs = "the input {}" if len(system.inputs) == 1 else "the inputs {} in that order"
+    yield Sentence(f"The highest derivatives are {{}} with {inputs} and", (highest, system.inputs))
     yield Equation(Formula("F", "F"), derivatives.drift_term)
     yield Equation(Formula("G", "G"), derivatives.decoupling_matrix)
 
@@ -85,12 +87,17 @@ def _transformation(transformation: InputTransformation) -> Iterator[Line]:
 
 def _zero_dynamics(zero: ZeroDynamics) -> Iterator[Line]:
     yield Heading("Zero dynamics")
-    free_of = "the derivatives contain no input" if zero.input_free else "the derivatives contain inputs"
-    yield Sentence(f"The chains are completed to coordinates, generically, by functions of which {free_of}:")
+    free_of = "no input" if zero.input_free else "inputs"
+    yield Sentence(f"The chains are completed to coordinates by functions whose derivatives contain {free_of}:")
     for symbol, expression in zero.coordinates.items():
         yield Equation(name(symbol), expression)
     if zero.field is None:
-        yield Sentence("How these move while the outputs are constant was not found in closed form.")
+        reason = (
+            "was not found in closed form"
+            if zero.normal_form.inverse is None
+            else "is not defined, as the coordinates are singular there"
+        )
+        yield Sentence(f"How these move while the outputs are constant {reason}.")
         return
     if zero.normal_form.branch:
         yield Sentence("On the branch where these are positive: {}.", (zero.normal_form.branch,))

@@ -220,8 +220,8 @@ def choose_inputs(
     inputs = tuple(symbol for j, symbol in enumerate(system.inputs) if any(entry != 0 for entry in rows.col(j)))
     if len(inputs) == rank:
         return outputs, inputs, None
-    transformation = find_transformation(system, rows, operating_point)
-    return outputs, tuple(transformation.combinations), transformation
+    delayed, transformation = find_transformation(system, rows, operating_point)
+    return outputs, delayed, transformation
 
 
 def _check_invertible(

@@ -48,11 +48,12 @@ class InputTransformation:
 
 def find_transformation(
     system: AffineSystem, rows: sp.Matrix, operating_point: Mapping[str, Any]
-) -> InputTransformation:
+) -> tuple[tuple[sp.Symbol, ...], InputTransformation]:
     """Make the independent combinations of inputs in some rows of the decoupling matrix inputs themselves.
 
-    Each combination is a row without the factors that its entries share. Of the inputs that occur, those go whose
-    coefficients have the determinant that does not vanish at the operating point and is shortest.
+    Each combination is a row without the factors that its entries share; a row with a single input leaves it as it is.
+    Of the other inputs that occur, those go whose coefficients have the determinant that does not vanish at the
+    operating point and is shortest.
 
     Parameters
     ----------
@@ -65,8 +66,10 @@ def find_transformation(
 
     Returns
     -------
-    InputTransformation
-        From as many inputs as the rows have rank.
+    inputs : tuple of sympy.Symbol
+        As many independent inputs as the rows have rank: old ones that stand alone in a row, then the new ones.
+    transformation : InputTransformation
+        To the new ones.
 
     References
     ----------
@@ -75,9 +78,12 @@ def find_transformation(
     doi:10.1007/978-1-4757-2101-0.
     """
     basis = _shortest_basis([_primitive(rows.row(i)) for i in range(rows.rows)], generic_rank(rows))
+    single = [i for i in range(basis.rows) if sum(entry != 0 for entry in basis.row(i)) == 1]
+    kept = [next(j for j, entry in enumerate(basis.row(i)) if entry != 0) for i in single]
+    basis = basis.extract([i for i in range(basis.rows) if i not in single], list(range(basis.cols)))
     names = {symbol.name for symbol in system.states + system.parameters}
     point = point_of(system, {name: value for name, value in operating_point.items() if name in names})
-    columns, determinant = _pivots(basis, point)
+    columns, determinant = _pivots(basis, [j for j in range(basis.cols) if j not in kept], point)
     pivots = basis.extract(list(range(basis.rows)), list(columns))
     if determinant.could_extract_minus_sign():
         basis, pivots, determinant = _negated(basis, 0), _negated(pivots, 0), -determinant
@@ -85,7 +91,7 @@ def find_transformation(
     old = [system.inputs[column] for column in columns]
     stays = basis * sp.Matrix([0 if symbol in old else symbol for symbol in system.inputs])
     solved = pivots.adjugate() * (sp.Matrix(new) - stays)
-    return InputTransformation(
+    return (*(system.inputs[j] for j in kept), *new), InputTransformation(
         combinations=FrozenMapping(dict(zip(new, basis * sp.Matrix(system.inputs), strict=True))),
         replaced=FrozenMapping({s: tidy(part / determinant) for s, part in zip(old, solved, strict=True)}),
         determinant=determinant,
@@ -109,12 +115,14 @@ def _shortest_basis(rows: Sequence[sp.Matrix], rank: int) -> sp.Matrix:
     return sp.Matrix.vstack(*chosen[:rank])
 
 
-def _pivots(basis: sp.Matrix, point: Mapping[sp.Symbol, sp.Expr]) -> tuple[tuple[int, ...], sp.Expr]:
+def _pivots(
+    basis: sp.Matrix, allowed: Sequence[int], point: Mapping[sp.Symbol, sp.Expr]
+) -> tuple[tuple[int, ...], sp.Expr]:
     candidates = []
-    for columns in itertools.combinations(range(basis.cols), basis.rows):
+    for columns in itertools.combinations(allowed, basis.rows):
         determinant = factored(basis.extract(list(range(basis.rows)), list(columns)).det(method="berkowitz"))
         if determinant != 0:
-            candidates.append((vanishes(determinant.subs(point)), int(sp.count_ops(determinant)), columns, determinant))
+            candidates.append((vanishes(determinant, point), int(sp.count_ops(determinant)), columns, determinant))
     _, _, columns, determinant = min(candidates, key=lambda candidate: candidate[:3])
     return columns, determinant
 

@@ -18,7 +18,7 @@ from brunovsky.linearization.normal_form import NormalForm, find_normal_form
 from brunovsky.linearization.numeric import point_of
 from brunovsky.linearization.rank import generic_rank
 from brunovsky.linearization.regular_start import RegularStart, regular_start
-from brunovsky.linearization.simplify import factored, tidy, vanishes
+from brunovsky.linearization.simplify import factored, tidy, vanishes, vanishing_factors
 from brunovsky.linearization.singularity import Measure, distance_to_singularity
 from brunovsky.linearization.zero_dynamics import ZeroDynamics, find_zero_dynamics
 
@@ -87,13 +87,8 @@ class Linearization(Explained):
         The determinants are that of G and those of the transformations of the inputs.
         """
         determinants = (self.determinant, *(one.determinant for one in self.extension.transformations))
-        factors = {
-            factor: None
-            for determinant in determinants
-            for factor, _ in sp.factor_list(sp.fraction(determinant)[0])[1]
-            if not factor.is_nonzero
-        }
-        return sp.Eq(sp.Mul(*factors), 0) if factors else sp.false
+        found = dict.fromkeys(factor for one in determinants for factor in vanishing_factors(one))
+        return sp.Eq(sp.Mul(*found), 0) if found else sp.false
 
     @cached_property
     def normal_form(self) -> NormalForm:
@@ -106,7 +101,8 @@ class Linearization(Explained):
         if self.is_full:
             return None
         law = {symbol: part.subs(dict.fromkeys(self.outer_inputs, 0)) for symbol, part in self.law.items()}
-        return find_zero_dynamics(self.extended_system, self.normal_form, law)
+        locus = sp.S.One if self.singular_locus == sp.false else self.singular_locus.lhs
+        return find_zero_dynamics(self.extended_system, self.normal_form, law, locus)
 
     def is_minimum_phase(self, point: Mapping[sp.Symbol | str, Any]) -> bool:
         """Whether the zero dynamics are stable in first approximation at an equilibrium; true where there are none.
@@ -177,7 +173,7 @@ def linearize(
     ParameterError
         If the operating point names something else than a state or parameter, or a value is not finite.
     ModelError
-        If `system` is not an AffineSystem or `max_extensions` is negative.
+        If `system` is not an AffineSystem, `max_extensions` no number 0, 1, 2, …, or the operating point no mapping.
 
     References
     ----------
@@ -191,7 +187,7 @@ def linearize(
     >>> linearize(pendulum).law
     {torque: v1 + sin(angle)}
     """
-    _check_arguments(system, max_extensions)
+    _check_arguments(system, max_extensions, operating_point)
     names = {str(key): value for key, value in (operating_point or {}).items()}
     extension = extend(system, max_extensions, names)
     extended, derivatives = extension.system, extension.derivatives
@@ -217,11 +213,13 @@ def linearize(
     return result
 
 
-def _check_arguments(system: AffineSystem, max_extensions: int) -> None:
+def _check_arguments(system: AffineSystem, max_extensions: int, operating_point: Any) -> None:
     if not isinstance(system, AffineSystem):
         raise ModelError(f"{system!r} is not an AffineSystem; make one of states, inputs, drift, input_matrix, outputs")
-    if max_extensions < 0:
-        raise ModelError(f"max_extensions is {max_extensions}; give 0, 1, 2, …")
+    if operating_point is not None and not isinstance(operating_point, Mapping):
+        raise ModelError(f"operating_point is {operating_point!r}; give a mapping of states and parameters to values")
+    if not isinstance(max_extensions, int) or max_extensions < 0:
+        raise ModelError(f"max_extensions is {max_extensions!r}; give 0, 1, 2, …")
 
 
 def _check_operating_point(linearization: Linearization, operating_point: Mapping[sp.Symbol | str, Any]) -> None:
@@ -229,7 +227,7 @@ def _check_operating_point(linearization: Linearization, operating_point: Mappin
     place = f"at the operating point ({', '.join(f'{symbol} = {value}' for symbol, value in point.items())})"
     transformations = linearization.extension.transformations
     for determinant in (one.determinant for one in transformations):
-        if vanishes(determinant.subs(point)):
+        if vanishes(determinant, point):
             raise LinearizationError(
                 f"{place}: the transformation of the inputs is singular there, its determinant {determinant} vanishes; "
                 f"move the operating point off {linearization.singular_locus.lhs} = 0"
@@ -238,8 +236,10 @@ def _check_operating_point(linearization: Linearization, operating_point: Mappin
     for expression in (linearization.determinant, *linearization.drift_term, *gains):
         if expression.subs(point).has(sp.nan, sp.zoo, sp.oo, -sp.oo):
             raise LinearizationError(f"{place}: {expression} is not finite there; move it")
-    if vanishes(linearization.determinant.subs(point)):
-        there = gains.subs(point).applyfunc(lambda entry: sp.S.Zero if vanishes(entry) else entry)
+        if expression.subs(point).is_real is False:
+            raise LinearizationError(f"{place}: {expression} is not real there; move it")
+    if vanishes(linearization.determinant, point):
+        there = gains.applyfunc(lambda entry: sp.S.Zero if vanishes(entry, point) else entry.subs(point))
         rank = min(generic_rank(there), gains.rows - 1)
         raise LinearizationError(
             f"{place}: the decoupling matrix is singular there, its determinant {linearization.determinant} vanishes "

@@ -23,7 +23,7 @@ def evaluate(matrix: sp.Matrix, point: Mapping[sp.Symbol, sp.Expr]) -> NDArray[n
     missing = [symbol for symbol in needed if symbol not in point]
     if missing:
         raise ParameterError(f"the point has no value for {', '.join(map(str, missing))}; give one")
-    values = [float(point[symbol]) for symbol in needed]
+    values = [np.float64(point[symbol]) for symbol in needed]  # of which 1/0 is inf
     with np.errstate(all="ignore"):
         return np.array(numeric_function(needed, matrix)(*values), dtype=float).reshape(matrix.shape)
 

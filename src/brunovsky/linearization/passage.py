@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from brunovsky.linearization.elimination import eliminate, may_vanish, solve_for_a_state, tidy_polynomial
+from brunovsky.linearization.elimination import eliminate, solve_for_a_state, tidy_polynomial
 from brunovsky.linearization.naming import rate
 from brunovsky.linearization.rank import generic_rank, is_zero
-from brunovsky.linearization.simplify import tidy
+from brunovsky.linearization.simplify import tidy, vanishing_factors
 
 if TYPE_CHECKING:
     from brunovsky.linearization.linearize import Linearization
@@ -103,7 +103,7 @@ class Passage:
         if generic_rank(slopes.xreplace(self.relations)) < len(unknown):
             return False
         if slopes.is_square:
-            self.nonzero += may_vanish(slopes.det(method="berkowitz"))
+            self.nonzero += vanishing_factors(slopes.det(method="berkowitz"))
         return True
 
     def _solve_block(self, rows: list[sp.Expr], unknowns: Sequence[sp.Symbol]) -> list[sp.Expr]:

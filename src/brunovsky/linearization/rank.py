@@ -3,8 +3,9 @@
 Simplification cannot be trusted to find every zero, numbers can. Rational functions of the symbols and of the sines
 and cosines of single symbols are evaluated in rational arithmetic, with (sin, cos) replaced by rational points of the
 unit circle; this is exact, and wrong only if a random point hits a zero set of measure zero at every try. Anything
-else (exp, sqrt, sin of a product, …) is evaluated to 60 digits. A point thus proves a rank from below; where it matters
-and is cheap, `confirms_rank` proves it from above.
+else (exp, sqrt, sin of a product, …) is evaluated to 60 digits, at points of several magnitudes; zero is then what is
+lost in rounding, whatever its size, so that exp(-8750/T) is none. A point thus proves a rank from below; where it
+matters and is cheap, `confirms_rank` proves it from above.
 """
 
 import random
@@ -15,9 +16,11 @@ from sympy.polys.matrices import DomainMatrix
 
 from brunovsky.errors import LinearizationError
 
-_POINTS = 3
+_SCALES = (1, 1, 1)
+_MORE_SCALES = (sp.Rational(1, 32), 32, 1000)  # where exp and the like may be all but constant at the others
 _DIGITS = 60
-_TOLERANCE = sp.Float("1e-35", _DIGITS)
+_TOLERANCE = sp.Float("1e-35", _DIGITS)  # relative, of equilibrated matrices
+_HIGHEST_MULTIPLE = 8  # of an angle that is expanded: sin(8 a) has degree 8 in sin(a), cos(a)
 _CHEAP = 2000
 
 
@@ -42,18 +45,22 @@ def generic_rank(matrix: sp.Matrix) -> int:
     """
     polynomial = matrix.applyfunc(in_sines_and_cosines)
     generator = random.Random(1)
-    ranks = []
-    for _ in range(_POINTS):
-        point = _random_point(matrix.free_symbols, generator)
+    ranks: list[int] = []
+    scales = list(_SCALES)
+    for scale in scales:
+        point = _random_point(matrix.free_symbols, generator, scale)
         exact = polynomial.xreplace(_on_the_circle(polynomial, generator) | point)
         if exact.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
             continue
         if all(entry.is_Rational for entry in exact):
             ranks.append(int(exact.rank()))
-        elif (approximate := _numeric_rank(matrix, point)) is not None:
+            continue
+        if (approximate := _numeric_rank(matrix, point)) is not None:
             ranks.append(approximate)
+        if len(scales) == len(_SCALES) and max(ranks, default=0) < min(matrix.shape):
+            scales += _MORE_SCALES
     if not ranks:
-        raise LinearizationError(f"{matrix} is not finite at {_POINTS} random points; check its denominators")
+        raise LinearizationError(f"{matrix} is not finite at {len(scales)} random points; check its denominators")
     return max(ranks)
 
 
@@ -94,7 +101,7 @@ def is_zero(expression: sp.Expr) -> bool:
 
 
 def in_sines_and_cosines(expression: sp.Expr) -> sp.Expr:
-    """Rewrite tan, cot, sec, csc and sums and multiples of angles with sines and cosines of single angles."""
+    """Rewrite tan, cot, sec, csc and sums and small multiples of angles with sines and cosines of single angles."""
     for function, quotient in (
         (sp.tan, lambda a: sp.sin(a) / sp.cos(a)),
         (sp.cot, lambda a: sp.cos(a) / sp.sin(a)),
@@ -102,14 +109,24 @@ def in_sines_and_cosines(expression: sp.Expr) -> sp.Expr:
         (sp.csc, lambda a: 1 / sp.sin(a)),
     ):
         expression = expression.replace(function, quotient)
-    return sp.expand_trig(expression)
+    kept = {term: sp.Dummy() for term in expression.atoms(sp.sin, sp.cos) if _is_steep(term.args[0])}
+    return sp.expand_trig(expression.xreplace(kept)).xreplace({dummy: term for term, dummy in kept.items()})
 
 
-def _random_point(symbols: Iterable[sp.Symbol], generator: random.Random) -> dict[sp.Symbol, sp.Rational]:
+def _is_steep(angle: sp.Expr) -> bool:
+    multiples = (term.as_coeff_Mul()[0] for term in sp.Add.make_args(angle))
+    return any(abs(one) > _HIGHEST_MULTIPLE for one in multiples if one.is_Integer)
+
+
+def _random_point(
+    symbols: Iterable[sp.Symbol], generator: random.Random, scale: sp.Rational | int
+) -> dict[sp.Symbol, sp.Rational]:
     point = {}
     for symbol in sorted(symbols, key=str):
         numerator, denominator = generator.randint(501, 999), generator.randint(501, 999)  # of the order of 1
-        value = sp.Integer(generator.randint(2, 9)) if symbol.is_integer else sp.Rational(numerator, denominator)
+        value = (
+            sp.Integer(generator.randint(2, 9)) if symbol.is_integer else scale * sp.Rational(numerator, denominator)
+        )
         point[symbol] = -value if symbol.is_negative else value
     return point
 
@@ -128,4 +145,13 @@ def _numeric_rank(matrix: sp.Matrix, point: dict[sp.Symbol, sp.Rational]) -> int
     values = matrix.applyfunc(lambda entry: entry.evalf(_DIGITS, subs=point))
     if not all(value.is_number and value.is_finite for value in values):
         return None
-    return int(values.rank(iszerofunc=lambda value: abs(value) < _TOLERANCE, simplify=False))
+    known = values.applyfunc(lambda value: sp.S.Zero if _is_lost(value) else value)
+    for _ in range(2):  # rows, then columns, scaled to entries of at most 1
+        rows = [known.row(i) / (max(abs(entry) for entry in known.row(i)) or 1) for i in range(known.rows)]
+        known = sp.Matrix.vstack(*rows).T
+    return int(known.rank(iszerofunc=lambda value: abs(value) < _TOLERANCE, simplify=False))
+
+
+def _is_lost(value: sp.Expr) -> bool:
+    """Whether cancellation left no digit of a value that was asked for to 60 (evalf keeps account of that)."""
+    return bool(value == 0 or all(part._prec <= 1 for part in value.atoms(sp.Float)))

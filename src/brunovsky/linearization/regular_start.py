@@ -69,15 +69,15 @@ class RegularStart(Explained):
 
     def lines(self) -> Iterator[Line]:
         """Yield the lines that `explain`, `latex` and notebooks show."""
-        """Yield what a passage of a singular point needs."""
+        conditions = [one for one in self.conditions if self.chains.get(one.lhs) != one.rhs]
         yield Heading(f"Regular start at {_listed(self.point)}")
         highest = Formula("y^(r) = F + G u", "y^{(r)} = F + G u")
         yield Sentence("Derivatives of {} along the trajectory that were needed: {}.", (highest, len(self.derivatives)))
         yield Sentence("The reference begins with")
         yield from definitions(self.chains)
-        if self.conditions:
+        if conditions:
             yield Sentence("It satisfies")
-            yield from (Equation(formula(one.lhs), formula(one.rhs)) for one in self.conditions)
+            yield from (Equation(formula(one.lhs), formula(one.rhs)) for one in conditions)
         if self.states:
             yield Sentence("It determines the states")
             yield from definitions(self.states)

@@ -87,6 +87,7 @@ def static_linearizability(
     point = point_of(system, operating_point or {})
     newest = {f"g({symbol})": system.input_matrix.col(j) for j, symbol in enumerate(system.inputs)}
     basis: dict[str, sp.Matrix] = {}
+    spanning: list[sp.Matrix] = []
     ranks: list[int] = []
     involutive: list[bool] = []
 
@@ -94,13 +95,14 @@ def static_linearizability(
         return StaticLinearizability(False, reason, tuple(ranks), tuple(involutive))
 
     for i in itertools.count():
+        spanning += newest.values()
         for name, field in newest.items():
             if generic_rank(sp.Matrix.hstack(*basis.values(), field)) > len(basis):
                 basis[name] = field
         ranks.append(len(basis))
         bracket = _leaving(basis, system) if len(basis) < n else None
         involutive.append(bracket is None)
-        there = generic_rank(sp.Matrix.hstack(*basis.values()).subs(point)) if point else len(basis)
+        there = generic_rank(sp.Matrix.hstack(*spanning).subs(point)) if point else len(basis)
         if there < len(basis):
             return answer(f"G_{i} has rank {there} at the operating point and {len(basis)} near it")
         if bracket:

@@ -6,6 +6,8 @@ from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
+from sympy.functions.elementary.hyperbolic import HyperbolicFunction, InverseHyperbolicFunction
+from sympy.functions.elementary.trigonometric import InverseTrigonometricFunction, TrigonometricFunction
 
 from brunovsky.errors import ModelError, ParameterError
 
@@ -14,6 +16,10 @@ _NOT_SMOOTH = (
     *(sp.Piecewise, sp.Min, sp.Max, sp.floor, sp.ceiling, sp.frac, sp.Mod),
 )
 _NOT_EXPLICIT = (AppliedUndef, sp.Derivative, sp.Integral, sp.Sum, sp.Product, sp.Limit, sp.Subs)
+_ELEMENTARY = (
+    *(sp.Symbol, sp.Number, sp.NumberSymbol, sp.Add, sp.Mul, sp.Pow, sp.exp, sp.log, sp.erf, sp.erfc, sp.sinc),
+    *(TrigonometricFunction, InverseTrigonometricFunction, HyperbolicFunction, InverseHyperbolicFunction),
+)
 _NOT_FINITE = (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I)
 
 
@@ -79,7 +85,14 @@ def resolve(values: Mapping[Any, Any], symbols: Sequence[sp.Symbol], what: str) 
 
 def _exact(entry: Any) -> Any:
     """Floats become the rationals they print as: zero and rank tests then are exact."""
-    return sp.nsimplify(entry, rational=True) if entry.has(sp.Float) and not entry.has(*_NOT_FINITE) else entry
+    if entry.has(*_NOT_FINITE):
+        return entry
+    return entry.xreplace({one: sp.Rational(_printed(one)) for one in entry.atoms(sp.Float)})
+
+
+def _printed(number: sp.Float) -> str:
+    double = float(number)
+    return repr(double) if sp.Float(double, precision=number._prec) == number else str(number)
 
 
 def check_distinct(groups: Sequence[tuple[str, Sequence[sp.Symbol]]]) -> None:
@@ -114,6 +127,17 @@ def check_expression(
     for term in sorted(expression.atoms(*_NOT_EXPLICIT), key=str):
         raise ModelError(f"{where}: {term} is not an explicit function of symbols; write it out with sympy.Symbol")
     _check_symbols(expression, where, set(allowed), set(inputs), set(disturbances))
+    real = expression.xreplace(
+        {one: sp.Dummy(one.name, real=True) for one in expression.free_symbols if not one.is_real}
+    )
+    for term in sp.preorder_traversal(real):
+        if not isinstance(term, _ELEMENTARY):
+            raise ModelError(
+                f"{where}: {term} is not an elementary function that is smooth in real variables; write it with exp, "
+                "log, powers, trigonometric and hyperbolic functions"
+            )
+        if term.is_real is False:
+            raise ModelError(f"{where}: {term} is not real for real values of its symbols; check its sign")
 
 
 def _check_symbols(

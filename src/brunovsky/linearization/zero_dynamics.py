@@ -40,6 +40,8 @@ class ZeroDynamics:
         it is singular on the manifold.
     closed_loop : sympy.ImmutableDenseMatrix, shape (n, 1)
         The extended system under the law with v = 0, in its states.
+    locus : sympy.Expr
+        Where it vanishes the law does not exist, and with it the zero dynamics; 1 where there is no such place.
 
     References
     ----------
@@ -53,6 +55,7 @@ class ZeroDynamics:
     constants: tuple[sp.Symbol, ...]
     field: sp.ImmutableDenseMatrix | None
     closed_loop: sp.ImmutableDenseMatrix
+    locus: sp.Expr
 
     @property
     def coordinates(self) -> dict[sp.Symbol, sp.Expr]:
@@ -81,7 +84,7 @@ class ZeroDynamics:
         Raises
         ------
         LinearizationError
-            If the method does not converge.
+            If the method does not converge, or to a point where the law does not exist.
         ParameterError
             If a value is missing.
         """
@@ -99,10 +102,21 @@ class ZeroDynamics:
             if not np.all(np.isfinite(values)):
                 break
             if np.max(np.abs(values)) < _AT_REST:
+                self._check_regular(point)
                 return {state: float(point[state]) for state in self.system.states}
             step, *_ = np.linalg.lstsq(evaluate(slope, point), values, rcond=None)
             point |= {s: sp.Float(float(point[s]) - d) for s, d in zip(states, step[:, 0], strict=True)}
         raise LinearizationError(f"no equilibrium of the zero dynamics was found near {_shown(near)}; begin elsewhere")
+
+    def _check_regular(self, point: Mapping[sp.Symbol, Any]) -> None:
+        symbols = sorted(self.locus.free_symbols, key=str)
+        slopes = sp.Matrix([self.locus]).jacobian(symbols) if symbols else sp.zeros(1, 0)
+        reach = sum(abs(evaluate(slopes, point)[0]) * [1 + abs(float(point[s])) for s in symbols]) if symbols else 0.0
+        if not abs(evaluate(sp.Matrix([self.locus]), point)[0, 0]) > _AT_REST * reach:
+            raise LinearizationError(
+                f"at {_shown({s: float(point[s]) for s in symbols})} the law does not exist, as {self.locus} = 0 "
+                "there, and neither do zero dynamics; choose a point off the singular locus"
+            )
 
     def eigenvalues(self, point: Mapping[sp.Symbol | str, Any]) -> NDArray[np.complex128]:
         """Eigenvalues of the linearised zero dynamics at an equilibrium: the transmission zeros there.
@@ -123,11 +137,12 @@ class ZeroDynamics:
         Raises
         ------
         LinearizationError
-            If the point is no equilibrium of the zero dynamics.
+            If the point is no equilibrium of the zero dynamics, or the law does not exist there.
         ParameterError
             If a value is missing.
         """
         values = point_of(self.system, point)
+        self._check_regular(values)
         states = sp.Matrix(self.system.states)
         moving = evaluate(self.closed_loop, values)[:, 0]
         for state, rate in zip(self.system.states, moving, strict=True):
@@ -158,7 +173,9 @@ class ZeroDynamics:
         return bool(np.all(self.eigenvalues(point).real < -_CRITICAL))
 
 
-def find_zero_dynamics(system: AffineSystem, normal_form: NormalForm, law: Mapping[sp.Symbol, sp.Expr]) -> ZeroDynamics:
+def find_zero_dynamics(
+    system: AffineSystem, normal_form: NormalForm, law: Mapping[sp.Symbol, sp.Expr], locus: sp.Expr
+) -> ZeroDynamics:
     """Derive the zero dynamics of a system under its law with v = 0."""
     inputs = sp.Matrix([law[symbol] for symbol in system.inputs])
     closed_loop = (system.drift + system.input_matrix * inputs).applyfunc(tidy)
@@ -168,6 +185,7 @@ def find_zero_dynamics(system: AffineSystem, normal_form: NormalForm, law: Mappi
         constants=tuple(chain[0] for chain in normal_form.chains),
         field=_field(system, normal_form, closed_loop),
         closed_loop=sp.ImmutableDenseMatrix(closed_loop),
+        locus=locus,
     )
 
 
