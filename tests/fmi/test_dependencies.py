@@ -75,6 +75,7 @@ def _initial_dependencies(folder, seed=2):
         unknowns = [one.variable.name for one in instance.description.initialUnknowns]
         found = {name: set() for name in unknowns}
         lowest = {one.name: float(one.min) if one.min is not None else -np.inf for one in variables}
+        lowest |= {f"C[{k}]": 1e-3 for k in (1, 2, 3)}  # an unstable surface is refused; of order two it has a sign < 0
 
         def values(point):
             instance.done("Reset")
