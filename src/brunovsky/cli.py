@@ -57,6 +57,11 @@ BLOCKS: Mapping[str, Callable[[], br.Block]] = {
         "integral_sliding_mode",
         "pole_placement",
         "disturbance_observer",
+        "flat_sliding_mode",
+        "sliding_sector",
+        "second_order_sliding_mode",
+        "polar_sliding_mode",
+        "backstepping",
         "closed_loop",
     )
 }
@@ -165,12 +170,17 @@ def list_() -> None:
     shipped = shipped_fmus()
     table = Table("kind", "name", "what it is", box=None, pad_edge=False)
     for name, make in SYSTEMS.items():
-        table.add_row("system", name, escape((make.__doc__ or "").partition("\n")[0].removesuffix(".")))
+        table.add_row("system", name, _summary(make))
     for name, block in BLOCKS.items():
-        table.add_row("block", name, escape(block().description) + (" (FMU)" if name in shipped else ""))
+        table.add_row("block", name, f"{escape(shipped[name])} (FMU)" if name in shipped else _summary(block))
     for path in sorted(resource("comparisons").glob("*.toml")):
         table.add_row("study", path.stem, _first_title(path))
     _out.print(table)
+
+
+def _summary(make: Callable[[], object]) -> str:
+    """First line of a docstring; making every block only to list it would take seconds."""
+    return escape((make.__doc__ or "").partition("\n")[0].removesuffix("."))
 
 
 def _first_title(path: Path) -> str:

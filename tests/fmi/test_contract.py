@@ -50,6 +50,41 @@ TABLES = {
     ),
 }
 
+CONTROLLER_INPUTS = (
+    CHAINS
+    | {f"Z{i}d[{k}]": unit for i in (1, 2) for k, unit in enumerate(("m", "m/s", "m/s2"), 1)}
+    | {"zd3[1]": "m/s3", "zd3[2]": "m/s3"}
+)
+REFERENCE = {name: unit for name, unit in CONTROLLER_INPUTS.items() if name not in CHAINS}
+V, S = {"v[1]": "m/s3", "v[2]": "m/s3"}, {"S[1]": "m/s2", "S[2]": "m/s2"}
+SURFACE = {"C[1]": "1/s2", "C[2]": "1/s", "C[3]": "1"}
+PARTS = {
+    "robot": (
+        {"u[1]": "m/s2", "u[2]": "rad/s2", "d[1]": "m/s2", "d[2]": "rad/s2"},
+        {name: unit for name, unit in STATES.items() if name != "u[1]"},
+        {name: unit for name, unit in STARTS.items() if name != "u_start[1]"} | {"rho[1]": "1", "rho[2]": "1"},
+    ),
+    "circle": (
+        {},
+        REFERENCE,
+        {k: unit for k, unit in LOOP_PARAMETERS.items() if k in ("center[1]", "center[2]", "radius", "rate", "phase")},
+    ),
+    "sliding_mode": (CONTROLLER_INPUTS, V | S, SURFACE | {"Q": "1/s", "P": "m/s3", "phi": "m/s2"}),
+    "pole_placement": (CONTROLLER_INPUTS, V, {"K[1]": "1/s3", "K[2]": "1/s2", "K[3]": "1/s"}),
+    "super_twisting": (CONTROLLER_INPUTS, V | S, SURFACE | {"k[1]": "1", "k[2]": "1", "L": "m/s4"}),
+}
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_parts_have_the_variables_of_the_contract(name, exported):
+    path = exported(shipped_block(name)).fmu
+    description = read_model_description(str(path))
+    inputs, outputs, parameters = PARTS[name]
+    assert _units(description, "input") == inputs
+    assert _units(description, "output") == outputs
+    assert _units(description, "parameter") == parameters
+    assert validate_fmu(str(path)) == []
+
 
 @pytest.fixture(params=list(TABLES))
 def described(request, robot, loop):
@@ -141,6 +176,6 @@ def test_fmpy_finds_nothing(robot, loop):
 
 
 def test_the_manifest_lists_the_fmus_that_ship():
-    assert list(shipped_fmus()) == ["linearized_robot", "closed_loop"]
+    assert list(shipped_fmus()) == ["linearized_robot", "closed_loop", *PARTS]
     assert all(shipped_fmus().values())
     assert shipped_block("closed_loop") == library.closed_loop()
