@@ -11,7 +11,7 @@ from brunovsky.blocks.variables import symbols
 
 
 def flat_sliding_mode() -> Block:
-    """Unit-vector law v = (-Q S - P S/max(|S|, phi) - c1 e' - c2 e'')/c3 + zd3 with S = c1 e + c2 e' + c3 e''.
+    """Unit-vector law v = (-Q S - P S/max(norm(S), phi) - c1 e' - c2 e'')/c3 + zd3 with S = c1 e + c2 e' + c3 e''.
 
     S is a vector, e the error of the flat outputs (x, y). Outside the disc of radius phi abs(S)' = -Q abs(S) - P,
     whatever the direction: a disturbance of the jerk is rejected up to P/c3 in Euclidean norm, independent of the
