@@ -100,17 +100,16 @@ class Chains:
     @property
     def states(self) -> tuple[Input, ...]:
         """Inputs ``Zi[k]``."""
-        return tuple(
-            Input(f"Z{i}[{k}]", self.unit(i, k - 1), f"chain {i}, element {k}")
-            for i, order in enumerate(self.orders, 1)
-            for k in range(1, order + 1)
-        )
+        return self._elements("", "chain")
 
     @property
     def references(self) -> tuple[Input, ...]:
         """Inputs ``Zid[k]``."""
+        return self._elements("d", "reference of chain")
+
+    def _elements(self, suffix: str, what: str) -> tuple[Input, ...]:
         return tuple(
-            Input(f"Z{i}d[{k}]", self.unit(i, k - 1), f"reference of chain {i}, element {k}")
+            Input(f"Z{i}{suffix}[{k}]", self.unit(i, k - 1), f"{what} {i}, element {k}")
             for i, order in enumerate(self.orders, 1)
             for k in range(1, order + 1)
         )
