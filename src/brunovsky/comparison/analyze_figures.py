@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from brunovsky.comparison.analyze import Analysis
 
 _MARKERS = ("x", "s", "^", "D", "v", "P")
+_RATES = 800  # values of Q along a root locus
 _SPEEDS = np.geomspace(0.01, 10.0, 61)  # m/s
 
 
@@ -104,12 +105,11 @@ def _root_locus(analysis: Analysis) -> Figure:
     figure = drawing.new_figure(9.0, 3.8)
     highest = 1.5 * max(*rates.values(), 1.0)
     for axes, tau in zip(figure.subplots(1, 2), (0.0, lag), strict=True):
-        locus = root_locus_over_reaching_rate(
-            law.C, lag=tau, rates=np.concatenate(([0.0], np.geomspace(1e-3, 1.0, 4000) * highest))
-        )
-        for branch in locus.loci.T:
-            axes.plot(branch.real, branch.imag, ".", markersize=1.6, color="#7d878e")
-        axes.plot([], [], color="#7d878e", label=f"Q from 0 to {highest:.3g} 1/s")
+        values = np.concatenate(([0.0], np.geomspace(1e-3, 1.0, _RATES) * highest))
+        locus = root_locus_over_reaching_rate(law.C, lag=tau, rates=values)
+        for index, branch in enumerate(locus.loci.T):
+            label = "" if index else f"Q from 0 to {highest:.3g} 1/s"
+            axes.plot(branch.real, branch.imag, color="#7d878e", linewidth=2.0, label=label)
         for (name, rate), marker in zip(rates.items(), _MARKERS, strict=False):
             poles = root_locus_over_reaching_rate(law.C, lag=tau, rates=[rate]).loci[0]
             axes.plot(

@@ -94,14 +94,15 @@ class AnalyzedRun:
         S of both chains at the start (m/s2).
     reaching_time : tuple of float
         Time (s) to S = 0 for ``sign``, to abs(S) = phi for ``saturation``, inf for ``linear``, of each chain of the
-        nominal robot without disturbance.
+        nominal robot without disturbance, if abs(eta1) stays above eta_min until then (it does not on the way to a set
+        point, and S arrives later).
     speed, yaw_rate : float
         Of the reference (m/s, rad/s); 0 at a set point.
     forward_disturbance_bound, yaw_disturbance_bound : float
         What P rejects of d1 (m/s2) and d2 (rad/s2) on the reference; inf where the disturbance does not reach the
         chains, 0 for a law without switching.
     predicted_residual : float or None
-        Position error that constant disturbances leave (m); None without any, at a set point or with an uncertain plant.
+        Position error that constant disturbances leave (m); None without any, at a set point or with rho not 1.
     actuators : mapping of str to ActuatorMargins, or None
         For ``linear_part`` and ``boundary_layer``; see `actuators_reason` for None.
     forecast : NearestApproach or None

@@ -77,7 +77,7 @@ class ChatterTable(StudyTable):
 
     Every combination is a point: of the lists of lags in ``lags_s``, of ``delay_s``, and of the ``parameters``, each a
     number or a list of them. What is not given is the study's C and Q, and P and phi of its law ``law``, by default
-    its first law with a switching term. ``sampling_s`` is the period of a sampled law; without it the law is continuous.
+    its first law with a switching term. ``sampling_s`` is the period of a sampled law; by default it is continuous.
     """
 
     title: str

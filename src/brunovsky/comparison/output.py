@@ -29,7 +29,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Results as JSON has them: data classes as objects, complex numbers as [real, imaginary], null for what is not finite."""
+    """Results as JSON has them: data classes as objects, complex numbers as [real, imaginary], null for not finite."""
     if is_dataclass(value) and not isinstance(value, type):
         return {one.name: plain(getattr(value, one.name)) for one in fields(value)}
     if isinstance(value, Mapping):

@@ -1,0 +1,340 @@
+"""The analysis of a study: its numbers against the functions behind them, the model's known numbers, and simulation."""
+
+import json
+import math
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import brunovsky as br
+from brunovsky import analysis as ana
+from brunovsky._resources import resource
+from brunovsky.comparison import analysis_data, analyze_study, chatter_markdown, load_study, write_analysis
+from brunovsky.comparison import analyze as module
+from brunovsky.comparison.chatter_summary import largest_error
+from brunovsky.comparison.keys import study_block
+from brunovsky.errors import StudyError
+
+C, Q, P, PHI = (500.0, 10.0, 1.0), 5.0, 2.5, 0.05
+KEYS = {
+    *("lag_s", "C", "Q", "P", "phi"),
+    *(f"{one}_{what}" for one in ("predicted", "locus", "simulated") for what in ("amplitude", "frequency_rad_s")),
+}
+FIGURES = {"poles", "root-locus", "loop", "gang-of-four", "step-response", "boundary-layer", "input-sensitivity"}
+
+CHATTER = """
+name = "mine"
+title = "A study with chatter"
+engine = "native"
+
+[[laws]]
+name = "relay"
+kind = "sign"
+parameters = { P_m_per_s3 = 2.5 }
+
+[[laws]]
+name = "layer"
+kind = "saturation"
+parameters = { P_m_per_s3 = 2.5, phi_m_per_s2 = 0.05 }
+
+[[scenarios]]
+name = "circle"
+title = "Circle"
+duration_s = 3.0
+
+[[chatter]]
+title = "two lags"
+lags_s = [[0.005, 0.005], [0.009, 0.009], [0.02, 0.02]]
+
+[[chatter]]
+title = "others"
+law = "layer"
+lags_s = [[], [0.005], [0.003, 0.007]]
+delay_s = [0.0, 0.002]
+parameters = { Q_per_s = [2.0, 5], phi_m_per_s2 = 0.0 }
+"""
+
+
+@pytest.fixture(scope="module")
+def paper_analysis(paper):
+    return analyze_study(paper)
+
+
+@pytest.fixture(scope="module")
+def paper_data(paper_analysis):
+    return json.loads(json.dumps(analysis_data(paper_analysis), allow_nan=False))
+
+
+@pytest.fixture
+def mine(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(CHATTER, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def chatter_analysis(tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "mine.toml"
+    path.write_text(CHATTER, encoding="utf-8")
+    return analyze_study(path)
+
+
+def test_the_numbers_of_the_papers_linear_part(paper_data):
+    laws = {one["law"]: one for one in paper_data["laws"]}
+    assert set(laws) == {"linear", "saturation", "sign"}
+    for law in laws.values():
+        part = law["linear_part"]
+        assert part["gain"] == [2500.0, 550.0, 15.0] and part["stable"] is True
+        assert round(1e3 * part["margins"]["lag"], 1) == 19.0
+        assert round(1e3 * part["margins"]["two_lags"], 1) == 9.2
+        assert math.floor(1e4 * part["margins"]["delay"]) / 10 == 18.4  # 18.45; the model's page cuts it off
+        assert round(part["margins"]["gain_lower"], 3) == 0.303
+        assert part["margins"]["gain_upper"] is None
+        real, imaginary = np.transpose(part["poles"])
+        assert real == pytest.approx([-5.0] * 3)
+        assert sorted(imaginary) == pytest.approx([-math.sqrt(475), 0.0, math.sqrt(475)], abs=1e-9)
+        assert law["matched_disturbance_bound"] == law["P"]
+    assert laws["linear"]["boundary_layer"] is None and laws["sign"]["boundary_layer"] is None
+    assert laws["saturation"]["boundary_layer"]["gain"] == ana.boundary_layer_gain(C, Q, P, PHI).tolist()
+
+
+def test_each_loop_is_what_the_functions_of_the_analysis_say(paper_analysis):
+    for law in paper_analysis.laws:
+        for loop in (law.linear_part, law.boundary_layer):
+            if loop is None:
+                continue
+            assert loop.margins == ana.margins(loop.gain)
+            assert loop.disk_margin == ana.disk_margin(ana.loop_transfer(loop.gain))
+            assert loop.bandwidth == ana.bandwidth(loop.gain)
+            assert dict(loop.step) == ana.step_information(loop.gain)
+
+
+def test_starts_are_those_of_the_simulation(paper, paper_analysis):
+    for run, planned in zip(paper_analysis.runs, paper.plan(), strict=True):
+        assert run.name == planned.name
+        data = br.simulate(study_block(), 1e-3, parameters=dict(planned.parameters), record=["S[1]", "S[2]"])
+        for found, name in zip(run.sliding_start, ("S[1]", "S[2]"), strict=True):
+            assert found == pytest.approx(float(data[name][0]), rel=1e-12, abs=1e-12)
+
+
+def test_reaching_times_are_those_of_the_runs(paper_runs, paper_analysis):
+    compared = 0
+    for run, simulated in zip(paper_analysis.runs, paper_runs.runs, strict=True):
+        p, inputs = simulated.planned.parameters, simulated.planned.inputs
+        if run.law == "linear":
+            assert run.reaching_time == (math.inf, math.inf)
+            continue
+        if any(inputs.values()) or p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0 or p["radius"] == 0.0:
+            continue  # at a set point the guarded law takes over before S is reached
+        for axis, expected in enumerate(run.reaching_time, 1):
+            S = simulated.trajectory[f"S[{axis}]"].values
+            width = p["phi"] if run.law == "saturation" else 0.0
+            if expected == 0.0:
+                assert abs(S[0]) <= width + 1e-12
+                continue
+            inside = np.abs(S) <= width if width else np.sign(S) != np.sign(S[0])
+            first = float(simulated.trajectory["time"][np.argmax(inside)])
+            assert first == pytest.approx(expected, abs=5e-3)  # steps of 1 ms, coarse where u2 is largest
+            compared += 1
+    assert compared == 12
+
+
+def test_forecasts_are_those_of_the_runs(paper_runs, paper_analysis):
+    runs = {run.planned.name: run for run in paper_runs.runs}
+    seen = 0
+    for run in paper_analysis.runs:
+        if run.forecast is None:
+            assert ("switches" in run.forecast_reason) == (run.law != "linear")
+            continue
+        metrics = runs[run.name].metrics
+        seen += 1
+        if run.forecast.guarded:  # a set point, where the robot comes to rest
+            assert runs[run.name].planned.parameters["radius"] == 0.0
+        else:  # the simulation is sampled every millisecond
+            assert run.forecast.closest_speed == pytest.approx(metrics.min_speed, rel=0.01)
+            assert run.forecast.closest_speed <= metrics.min_speed * (1.0 + 1e-6)
+    assert seen == 6
+
+
+def test_bounds_and_residuals_of_the_disturbed_runs(paper_data):
+    runs = {one["name"]: one for one in paper_data["runs"]}
+    assert runs["outside-d1/sign"]["predicted_residual"] == pytest.approx(4e-4, rel=0.01)
+    assert runs["outside-d1/linear"]["predicted_residual"] == pytest.approx(1.20e-3, rel=0.01)
+    assert runs["outside-d2/saturation"]["predicted_residual"] == pytest.approx(5.1e-6, rel=0.01)
+    assert runs["fig6-outside/sign"]["predicted_residual"] is None
+    circle = runs["fig6-outside/sign"]
+    assert circle["forward_disturbance_bound"] == ana.forward_disturbance_bound(C, P, 0.5)
+    assert circle["yaw_disturbance_bound"] == ana.yaw_disturbance_bound(C, P, 0.5 * math.sqrt(2.0))
+    assert runs["fig5/sign"]["yaw_disturbance_bound"] is None  # at rest d2 does not reach the chains
+    assert runs["fig5/linear"]["yaw_disturbance_bound"] == 0.0
+
+
+def test_margins_at_the_actuators_where_the_reference_is_steady(paper_analysis):
+    runs = {one.name: one for one in paper_analysis.runs}
+    still = runs["fig5/sign"]
+    assert still.actuators is None and "stands still" in still.actuators_reason
+    found = runs["fig6-inside/saturation"].actuators
+    assert set(found) == {"linear_part", "boundary_layer"}
+    motion = ana.steady_motion(br.blocks.circle())
+    for name, gain in (
+        ("linear_part", ana.sliding_gain(C, Q)),
+        ("boundary_layer", ana.boundary_layer_gain(C, Q, P, PHI)),
+    ):
+        loop = ana.actuator_loop_transfer(gain, motion, 2)
+        assert found[name].u2.delay == pytest.approx(ana.loop_margins(loop).delay, rel=1e-9)
+        assert found[name].disk_both.radius == pytest.approx(ana.disk_margin(ana.actuator_loop(gain, motion)).radius)
+
+
+def test_a_chatter_table_is_a_grid(mine):
+    first, second = load_study(mine).chatter_grids()
+    assert [loop.lags for loop in first.loops] == [(0.005, 0.005), (0.009, 0.009), (0.02, 0.02)]
+    assert {(loop.surface, loop.reaching_rate, loop.switching_gain, loop.boundary_layer) for loop in first.loops} == {
+        (C, Q, P, 0.0)
+    }
+    assert len(second.loops) == 3 * 2 * 2
+    assert {loop.reaching_rate for loop in second.loops} == {2.0, 5.0}
+    assert {loop.delay for loop in second.loops} == {0.0, 0.002}
+    assert {loop.boundary_layer for loop in second.loops} == {0.0}
+
+
+def check_gates(data):
+    """The gates of prediction against simulation, for relays whose linear part is stable; rows that oscillate."""
+    for row in data["chatter"]:
+        assert set(row) >= KEYS and isinstance(row["lag_s"], list)
+        for source in ("predicted", "locus", "simulated"):
+            pair = (row[f"{source}_amplitude"], row[f"{source}_frequency_rad_s"])
+            assert (pair[0] is None) == (pair[1] is None)
+    rows = [row for row in data["chatter"] if row["linear_part_stable"] and not row["phi"]]
+    rows = [row for row in rows if row["simulated_amplitude"] is not None]
+    for row in rows:
+        assert row["predicted_frequency_rad_s"] == pytest.approx(row["simulated_frequency_rad_s"], rel=0.05)
+        assert row["predicted_amplitude"] == pytest.approx(row["simulated_amplitude"], rel=0.10)
+        assert row["locus_frequency_rad_s"] == pytest.approx(row["simulated_frequency_rad_s"], rel=0.01)
+        assert row["locus_amplitude"] == pytest.approx(row["simulated_amplitude"], rel=0.01)
+    return rows
+
+
+def test_chatter_rows(chatter_analysis):
+    data = json.loads(json.dumps(analysis_data(chatter_analysis), allow_nan=False))
+    two_lags = [row for row in data["chatter"] if row["grid"] == "two lags"]
+    assert len(check_gates({"chatter": two_lags})) == 2
+    assert (two_lags[0]["lag_s"], two_lags[0]["C"], two_lags[0]["Q"]) == ([0.005, 0.005], list(C), Q)
+    beyond = two_lags[2]
+    assert beyond["linear_part_stable"] is False and beyond["outcome"] == "diverges"
+    assert all(beyond[key] is None for key in KEYS - {"lag_s", "C", "Q", "P", "phi"})
+    others = [row for row in data["chatter"] if row["grid"] == "others"]
+    assert len(others) == 12
+    quiet = [row for row in others if row["delay_s"] == 0.0 and len(row["lag_s"]) < 2]
+    assert len(quiet) == 4 and all(row["simulated_amplitude"] is None for row in quiet)
+
+
+def test_files_and_figures(chatter_analysis, tmp_path):
+    heard = []
+    written = write_analysis(chatter_analysis, tmp_path / "new" / "out", progress=lambda *seen: heard.append(seen))
+    data = json.loads(written.analysis.read_text(encoding="utf-8"))
+    assert data["study"] == "mine"
+    assert data["provenance"]["study_sha256"] == chatter_analysis.study.digest()
+    assert data["provenance"]["resolved_study"]["chatter"][0]["lags_s"][0] == [0.005, 0.005]
+    names = {path.stem for path in written.figures}
+    assert names >= FIGURES | {"describing-function", "relay-locus", "chatter-1", "chatter-2"}
+    assert sorted(data["figures"]) == sorted(f"figures/{path.name}" for path in written.figures)
+    for path in written.figures:
+        text = path.read_text(encoding="utf-8")
+        assert ElementTree.fromstring(text).tag.endswith("svg") and len(text) < 3e5
+    assert heard[0][0] == 0 and heard[-1][0] == heard[-1][1] == len(names)
+    assert sorted(one.name for one in (tmp_path / "new" / "out").iterdir()) == ["analysis.json", "figures"]
+
+
+def test_what_is_there_stays_whole_when_the_writing_fails(chatter_analysis, tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "analysis_figures", lambda *_: {"poles": "<svg/>"})
+    written = write_analysis(chatter_analysis, tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("os.replace", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        write_analysis(chatter_analysis, tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+    assert written.analysis in before
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused(chatter_analysis, tmp_path):
+    (tmp_path / "taken").write_text("mine")
+    for folder in (tmp_path / "taken", tmp_path / "taken" / "deeper"):
+        with pytest.raises(StudyError, match="is a file where a folder is needed"):
+            write_analysis(chatter_analysis, folder)
+    assert (tmp_path / "taken").read_text() == "mine"
+
+
+def test_an_unstable_loop_has_no_margins_and_does_not_stop_the_rest(mine, tmp_path):
+    text = mine.read_text().replace(
+        '[[laws]]\nname = "relay"', '[parameters]\nQ_per_s = 0.0\n\n[[laws]]\nname = "relay"'
+    )
+    mine.write_text(text[: text.index("[[chatter]]")])
+    found = analyze_study(mine)
+    relay, layer = found.laws
+    assert not relay.linear_part.stable and relay.linear_part.margins is None
+    assert layer.boundary_layer is not None and layer.boundary_layer.stable
+    run = next(one for one in found.runs if one.law == "relay")
+    assert run.actuators is None and "not stable" in run.actuators_reason
+    assert {path.stem for path in write_analysis(found, tmp_path / "out").figures} >= {"poles", "loop"}
+
+
+def test_progress_counts_every_run_and_point(mine):
+    heard = []
+    text = mine.read_text()
+    mine.write_text(text[: text.rindex("[[chatter]]")])
+    analyze_study(mine, progress=lambda *seen: heard.append(seen))
+    assert [done for done, _, _ in heard] == sorted(done for done, _, _ in heard)
+    assert heard[-1][:2] == (5, 5) and "chatter: two lags" in {what for _, _, what in heard}
+
+
+def test_the_summary_needs_chatter(paper_analysis):
+    with pytest.raises(StudyError, match="no chatter tables"):
+        chatter_markdown(paper_analysis)
+
+
+def test_tables_fit_their_words(chatter_analysis, paper_analysis):
+    from rich.console import Console
+
+    from brunovsky.comparison import analysis_tables
+
+    for analysis, words in (
+        (chatter_analysis, ("Chatter: two lags", "diverges *", "linear part is unstable")),
+        (paper_analysis, ("19.01", "9.229", "18.45", "0.3030", "outside-turned/linear", "guarded")),
+    ):
+        console = Console(width=130, record=True, file=open("/dev/null", "w"))  # noqa: SIM115
+        for table in analysis_tables(analysis):
+            console.print(table)
+        text = console.export_text()
+        assert all(word in text for word in words), text
+        assert "nan" not in text and "None" not in text
+
+
+def outline(text):
+    return re.findall(r"^#.*$|^- .*$|^\| \d.*$", re.sub(r"[\d.]+(?= %)", "", text), flags=re.MULTILINE)
+
+
+def test_the_shipped_study_is_what_its_summary_was_written_from():
+    study = load_study(resource("comparisons", "chatter.toml"))
+    points = sum(len(grid.loops) for grid in study.chatter_grids())
+    committed = resource("comparisons", "chatter.md").read_text(encoding="utf-8")
+    assert 40 <= points <= 80 and f"from the {points} points" in committed
+    assert re.findall(r"^## (.*)$", committed, flags=re.MULTILINE)[1:] == [one.title for one in study.chatter]
+
+
+@pytest.mark.slow
+def test_the_shipped_study():
+    found = analyze_study(resource("comparisons", "chatter.toml"))
+    rows = check_gates(analysis_data(found))
+    assert len(rows) > 40
+    every = [row for _, part in found.grids for row in part]
+    assert len([row for row in every if not row.linear_part_stable]) > 5
+    assert largest_error(every, "locus", "amplitude") < 1e-3
+    assert outline(chatter_markdown(found)) == outline(
+        resource("comparisons", "chatter.md").read_text(encoding="utf-8")
+    )
