@@ -155,6 +155,14 @@ def test_a_row_says_whether_its_linear_part_is_stable():
     assert rows[2].predicted_amplitude is None and rows[2].simulated_amplitude is None
 
 
+def test_behind_a_delay_alone_only_the_locus_holds():
+    """Nothing filters the relay there: S is a triangle, whose first harmonic is smaller than its peak."""
+    for row in chatter_table([SwitchingLoop(C, Q, P, delay=delay) for delay in (0.002, 0.005)]):
+        assert row.predicted_amplitude / row.simulated_amplitude == pytest.approx(0.81, abs=0.01)
+        assert row.locus_amplitude == pytest.approx(row.simulated_amplitude, rel=0.01)
+        assert row.locus_frequency_rad_s == pytest.approx(row.simulated_frequency_rad_s, rel=0.01)
+
+
 def test_a_loop_that_does_not_switch_is_refused():
     with pytest.raises(ParameterError, match="P > 0"):
         chatter_table([SwitchingLoop(C, Q, 0.0, lags=[0.01])])

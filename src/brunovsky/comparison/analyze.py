@@ -17,7 +17,7 @@ from brunovsky.comparison.chatter_grid import ChatterGrid
 from brunovsky.comparison.output import plain, write_text
 from brunovsky.comparison.run import Progress, study_provenance
 from brunovsky.comparison.study import Study, load_study
-from brunovsky.errors import StudyError
+from brunovsky.errors import ParameterError, StudyError
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ def analyze_study(study: Study | str | Path, *, progress: Progress | None = None
     Raises
     ------
     StudyError
-        If the study file cannot be used.
+        If the study file cannot be used, or a chatter table asks for a period that is too fine to be followed.
     """
     loaded = study if isinstance(study, Study) else load_study(study)
     plan, grids = loaded.plan(), loaded.chatter_grids()
@@ -89,11 +89,14 @@ def analyze_study(study: Study | str | Path, *, progress: Progress | None = None
         step(planned.name, 1)
         runs.append(analyzed_run(planned, loaded.law(planned.law)))
     chatter = []
-    for grid in grids:
+    for number, grid in enumerate(grids, 1):
         rows: list[ChatterRow] = []
         for loop in grid.loops:
             step(f"chatter: {grid.title}", 1)
-            rows += chatter_table([loop])
+            try:
+                rows += chatter_table([loop])
+            except ParameterError as error:
+                raise StudyError(f"study '{loaded.name}', chatter[{number}] ('{grid.title}'): {error}") from None
         chatter.append(tuple(rows))
     step("analysis", 1)
     return Analysis(loaded, laws, tuple(runs), tuple(chatter), FrozenMapping(study_provenance(loaded)))

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _MARKERS = ("x", "s", "^", "D", "v", "P")
 _RATES = 800  # values of Q along a root locus
-_SPEEDS = np.geomspace(0.01, 10.0, 61)  # m/s
+_SPEEDS = np.geomspace(0.01, 10.0, 13)  # m/s
 
 
 def analysis_figures(analysis: Analysis, progress: Progress | None = None) -> dict[str, str]:

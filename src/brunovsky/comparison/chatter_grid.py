@@ -18,6 +18,8 @@ from brunovsky.errors import ParameterError
 
 MOST_POINTS = 2000  # of all grids of a study
 MOST_LAGS = 4  # in series
+SHORTEST, LONGEST = 1e-6, 100.0  # s; of a lag, delay or sampling period that is not zero
+LARGEST = 1e9  # of a parameter; its inverse is the smallest that is not zero
 AXES = ("C[1]", "C[2]", "C[3]", "Q", "P", "phi")
 
 
@@ -57,14 +59,28 @@ def _listed(value: Any) -> Any:
     return value if isinstance(value, list | tuple) else [value]
 
 
+def _lists(value: Any) -> Any:
+    if isinstance(value, list | tuple) and all(isinstance(one, list | tuple) for one in value):
+        return value
+    raise ValueError("is no list of lists; give the lags of each loop, such as [[0.005, 0.005], [0.01], []]")
+
+
 def _in_range(table: Mapping[str, Sequence[float]]) -> Mapping[str, Sequence[float]]:
     for text, values in table.items():
         for value in values:
             check_range(text, value)
+            if value and not 1.0 / LARGEST <= abs(value) <= LARGEST:
+                raise ValueError(f"{text} = {value:g} is beyond all scales; give {1.0 / LARGEST:g} to {LARGEST:g}")
     return FrozenMapping(table)
 
 
-Seconds = Annotated[FiniteFloat, Field(ge=0.0)]
+def _duration(value: float) -> float:
+    if value and not SHORTEST <= value <= LONGEST:
+        raise ValueError(f"{value:g} s is out of range; give 0 or {SHORTEST:g} to {LONGEST:g}")
+    return value
+
+
+Seconds = Annotated[FiniteFloat, AfterValidator(_duration)]
 Numbers = Annotated[tuple[FiniteFloat, ...], BeforeValidator(_listed), Field(min_length=1, strict=False)]
 Lags = Annotated[tuple[Seconds, ...], Field(max_length=MOST_LAGS, strict=False)]
 GridTable = Annotated[
@@ -81,9 +97,9 @@ class ChatterTable(StudyTable):
     """
 
     title: str
-    lags_s: tuple[Lags, ...] = Field(min_length=1, strict=False)
+    lags_s: Annotated[tuple[Lags, ...], BeforeValidator(_lists)] = Field(min_length=1, strict=False)
     delay_s: Annotated[tuple[Seconds, ...], BeforeValidator(_listed), Field(min_length=1, strict=False)] = (0.0,)
-    sampling_s: Annotated[FiniteFloat, Field(gt=0.0)] | None = None
+    sampling_s: Annotated[Seconds, Field(gt=0.0)] | None = None
     law: str | None = None
     parameters: GridTable = Field(default_factory=lambda: FrozenMapping({}))
 
