@@ -11,7 +11,14 @@ import pytest
 import brunovsky as br
 from brunovsky import analysis as ana
 from brunovsky._resources import resource
-from brunovsky.comparison import analysis_data, analyze_study, chatter_markdown, load_study, write_analysis
+from brunovsky.comparison import (
+    analysis_data,
+    analysis_tables,
+    analyze_study,
+    chatter_markdown,
+    load_study,
+    write_analysis,
+)
 from brunovsky.comparison import analyze as module
 from brunovsky.comparison.chatter_summary import largest_error
 from brunovsky.comparison.keys import study_block
@@ -287,6 +294,44 @@ def test_an_unstable_loop_has_no_margins_and_does_not_stop_the_rest(mine, tmp_pa
     assert {path.stem for path in write_analysis(found, tmp_path / "out").figures} >= {"poles", "loop"}
 
 
+ODD = {
+    "linear alone": ('kind = "sign"\nparameters = { P_m_per_s3 = 2.5 }', 'kind = "linear"'),
+    "a reference that stands still": ("x_start_m = 1.0", "x_start_m = 1.0\nrate_rad_per_s = 0.0"),
+    "other gains in a scenario": ("x_start_m = 1.0", "x_start_m = 1.0\nQ_per_s = 2.0\nC_1_per_s2 = 50.0"),
+    "a start at rest": ("eta_start_1_m_per_s = 0.5", "eta_start_1_m_per_s = 0.0"),
+    "no guard": ("eta_min_m_per_s = 0.05", "eta_min_m_per_s = 0.0"),
+    "a short run": ("duration_s = 3.0", "duration_s = 1e-3"),
+    "no switching": ("P_m_per_s3 = 2.5", "P_m_per_s3 = 0.0"),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_studies(small, name):
+    small.write_text(small.read_text().replace(*ODD[name]))
+    found = analyze_study(small)
+    assert analysis_tables(found)
+    data = json.loads(json.dumps(analysis_data(found), allow_nan=False))
+    assert data["chatter"] == [] and len(data["laws"]) == len(data["runs"]) == 2
+
+
+def test_figures_of_a_study_without_switching(small, tmp_path):
+    small.write_text(small.read_text().replace(*ODD["linear alone"]))
+    written = write_analysis(analyze_study(small), tmp_path)
+    assert {path.stem for path in written.figures} == FIGURES - {"boundary-layer"}
+
+
+def test_gains_that_differ_between_scenarios_are_told_apart(small):
+    other = '[[scenarios]]\nname = "other"\ntitle = "Other"\nduration_s = 1.0\nparameters = { Q_per_s = 2.0 }\n'
+    small.write_text(small.read_text() + other)
+    laws = analyze_study(small).laws
+    assert [(one.law, one.Q, one.scenarios) for one in laws] == [
+        ("linear", 5.0, ("circle",)),
+        ("linear", 2.0, ("other",)),
+        ("relay", 5.0, ("circle",)),
+        ("relay", 2.0, ("other",)),
+    ]
+
+
 def test_progress_counts_every_run_and_point(mine):
     heard = []
     text = mine.read_text()
@@ -303,8 +348,6 @@ def test_the_summary_needs_chatter(paper_analysis):
 
 def test_tables_fit_their_words(chatter_analysis, paper_analysis):
     from rich.console import Console
-
-    from brunovsky.comparison import analysis_tables
 
     for analysis, words in (
         (chatter_analysis, ("Chatter: two lags", "diverges *", "linear part is unstable")),

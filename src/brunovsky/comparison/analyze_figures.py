@@ -55,7 +55,9 @@ def analysis_figures(analysis: Analysis, progress: Progress | None = None) -> di
         for name, make in makers.items():
             if progress is not None:
                 progress(len(drawn), len(makers), f"drawing {name}")
-            drawn[name] = drawing.svg(make(), name)
+            figure = make()
+            drawing.plain_decades(figure)
+            drawn[name] = drawing.svg(figure, name)
     if progress is not None:
         progress(len(drawn), len(makers), "figures")
     return drawn
@@ -105,7 +107,9 @@ def _root_locus(analysis: Analysis) -> Figure:
     figure = drawing.new_figure(9.0, 3.8)
     highest = 1.5 * max(*rates.values(), 1.0)
     for axes, tau in zip(figure.subplots(1, 2), (0.0, lag), strict=True):
-        values = np.concatenate(([0.0], np.geomspace(1e-3, 1.0, _RATES) * highest))
+        values = (
+            np.unique(np.concatenate((np.geomspace(1e-3, 1.0, _RATES), np.linspace(0.0, 1.0, 2 * _RATES)))) * highest
+        )
         locus = root_locus_over_reaching_rate(law.C, lag=tau, rates=values)
         for index, branch in enumerate(locus.loci.T):
             label = "" if index else f"Q from 0 to {highest:.3g} 1/s"

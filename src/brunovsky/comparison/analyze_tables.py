@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from rich.markup import escape
 from rich.table import Table
 
 from brunovsky.analysis import ChatterRow, DiskMargin, Margins
@@ -40,9 +41,9 @@ def analysis_tables(analysis: Analysis) -> tuple[Table, ...]:
 
 
 def _table(title: str, *columns: str) -> Table:
-    table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    table = Table(title=escape(title), title_justify="left", title_style="bold", box=None, pad_edge=False)
     for index, column in enumerate(columns):
-        table.add_column(column, justify="left" if index == 0 else "right", overflow="fold")
+        table.add_column(column, justify="right" if index else "left", no_wrap=index == 0, overflow="fold")
     return table
 
 
@@ -51,17 +52,8 @@ def _footnote(table: Table, text: str) -> None:
 
 
 def _laws(analysis: Analysis) -> Table:
-    table = _table(
-        "Laws",
-        "law",
-        "kind",
-        "C, 1/s²; 1/s; 1",
-        "Q, 1/s",
-        "P, m/s³",
-        "φ, m/s²",
-        "poles on S = 0, 1/s",
-        "rejects |d| <, m/s³",
-    )
+    title = "Laws (Q in 1/s, P in m/s³, φ in m/s², poles in 1/s, |d| at the level of v in m/s³)"
+    table = _table(title, "law", "kind", "C", "Q", "P", "φ", "poles on S = 0", "rejects |d| <")
     for law in analysis.laws:
         table.add_row(
             law.law,
@@ -92,35 +84,38 @@ def _loops(loops: dict[str, AnalyzedLoop]) -> Table:
 
 
 def _actuators(runs: Sequence[AnalyzedRun]) -> Table:
-    columns = ("gain ×", "phase, °", "delay, ms", "lag, ms", "Ms", "disk", "both: disk")
-    table = _table("Margins at the actuators, nominal robot on its reference", "motion, loop, actuator", *columns)
-    seen: set[tuple[float, float, ActuatorMargins]] = set()
+    found: dict[tuple[str, str, ActuatorMargins], None] = {}
     for run in runs:
-        for part, found in (run.actuators or {}).items():
-            key = (run.speed, run.yaw_rate, found)
-            if key in seen:
-                continue
-            seen.add(key)
-            where = f"{given(run.speed)} m/s, {given(run.yaw_rate)} rad/s, {part.replace('_', ' ')}"
-            for cut, margins, disk in (("u₁", found.u1, found.disk_u1), ("u₂", found.u2, found.disk_u2)):
-                table.add_row(
-                    f"{where}, {cut}",
-                    f"{number(margins.gain_lower)} to {number(margins.gain_upper)}",
-                    _of(margins, "phase", 180.0 / math.pi, 3),
-                    _of(margins, "delay", 1e3, 3),
-                    _of(margins, "lag", 1e3, 3),
-                    _of(margins, "max_sensitivity", 1.0, 3),
-                    number(disk.radius),
-                    number(found.disk_both.radius),
-                )
+        motion = f"{given(run.speed)} m/s and {given(run.yaw_rate)} rad/s"
+        found |= {(motion, part.replace("_", " "), one): None for part, one in (run.actuators or {}).items()}
+    motions = {motion for motion, _, _ in found}
+    title = "Margins at the actuators of the nominal robot, " + (
+        f"at {motions.pop()}" if len(motions) == 1 else "moving"
+    )
+    columns = ("gain ×", "phase, °", "delay, ms", "lag, ms", "Ms", "disk", "both")
+    table = _table(f"{title} (disk margin of one, of both at once)", "loop cut at", *columns)
+    for motion, part, one in found:
+        where = part if not motions else f"{motion}, {part}"
+        for cut, margins, disk in (("u₁", one.u1, one.disk_u1), ("u₂", one.u2, one.disk_u2)):
+            table.add_row(
+                f"{cut}, {where}",
+                f"{number(margins.gain_lower)} to {number(margins.gain_upper)}",
+                _of(margins, "phase", 180.0 / math.pi, 3),
+                _of(margins, "delay", 1e3, 3),
+                _of(margins, "lag", 1e3, 3),
+                _of(margins, "max_sensitivity", 1.0, 3),
+                number(disk.radius),
+                number(one.disk_both.radius),
+            )
     return table
 
 
 def _reaching(runs: Sequence[AnalyzedRun]) -> Table:
-    table = _table("Runs: reaching", "run", "S₁(0), m/s²", "S₂(0), m/s²", "S₁ reached after, s", "S₂ reached after, s")
+    table = _table("Runs: reaching (S in m/s², times in s)", "run", "S₁(0)", "S₂(0)", "S₁ after", "S₂ after")
     for run in runs:
         times = ("never" if math.isinf(one) else number(one) for one in run.reaching_time)
         table.add_row(run.name, *(number(one) for one in run.sliding_start), *times)
+    _footnote(table, "Nominal robot, while abs(eta1) stays above eta_min; to phi in a boundary layer.")
     return table
 
 
@@ -138,9 +133,8 @@ def _singularity(runs: Sequence[AnalyzedRun]) -> Table:
 
 
 def _bounds(runs: Sequence[AnalyzedRun]) -> Table:
-    table = _table(
-        "Runs: disturbances", "run", "rejects |d₁| <, m/s²", "rejects |d₂| <, rad/s²", "error that its own leave, m"
-    )
+    title = "Runs: disturbances that P rejects on the reference, and the error that the run's own leave"
+    table = _table(title, "run", "|d₁| <, m/s²", "|d₂| <, rad/s²", "error, m")
     for run in runs:
         table.add_row(
             run.name,
