@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 from xml.etree import ElementTree
 
 import numpy as np
@@ -10,58 +9,18 @@ import pytest
 
 import brunovsky as br
 from brunovsky import analysis as ana
-from brunovsky._resources import resource
 from brunovsky.comparison import (
     analysis_data,
     analysis_tables,
     analyze_study,
-    chatter_markdown,
-    load_study,
     write_analysis,
 )
 from brunovsky.comparison import analyze as module
-from brunovsky.comparison.chatter_summary import largest_error
 from brunovsky.comparison.keys import study_block
 from brunovsky.errors import StudyError
 
 C, Q, P, PHI = (500.0, 10.0, 1.0), 5.0, 2.5, 0.05
-KEYS = {
-    *("lag_s", "C", "Q", "P", "phi"),
-    *(f"{one}_{what}" for one in ("predicted", "locus", "simulated") for what in ("amplitude", "frequency_rad_s")),
-}
 FIGURES = {"poles", "root-locus", "loop", "gang-of-four", "step-response", "boundary-layer", "input-sensitivity"}
-
-CHATTER = """
-name = "mine"
-title = "A study with chatter"
-engine = "native"
-
-[[laws]]
-name = "relay"
-kind = "sign"
-parameters = { P_m_per_s3 = 2.5 }
-
-[[laws]]
-name = "layer"
-kind = "saturation"
-parameters = { P_m_per_s3 = 2.5, phi_m_per_s2 = 0.05 }
-
-[[scenarios]]
-name = "circle"
-title = "Circle"
-duration_s = 3.0
-
-[[chatter]]
-title = "two lags"
-lags_s = [[0.005, 0.005], [0.009, 0.009], [0.02, 0.02]]
-
-[[chatter]]
-title = "others"
-law = "layer"
-lags_s = [[], [0.005], [0.003, 0.007]]
-delay_s = [0.0, 0.002]
-parameters = { Q_per_s = [2.0, 5], phi_m_per_s2 = 0.0 }
-"""
 
 
 @pytest.fixture(scope="module")
@@ -72,20 +31,6 @@ def paper_analysis(paper):
 @pytest.fixture(scope="module")
 def paper_data(paper_analysis):
     return json.loads(json.dumps(analysis_data(paper_analysis), allow_nan=False))
-
-
-@pytest.fixture
-def mine(tmp_path):
-    path = tmp_path / "mine.toml"
-    path.write_text(CHATTER, encoding="utf-8")
-    return path
-
-
-@pytest.fixture(scope="module")
-def chatter_analysis(tmp_path_factory):
-    path = tmp_path_factory.mktemp("study") / "mine.toml"
-    path.write_text(CHATTER, encoding="utf-8")
-    return analyze_study(path)
 
 
 def test_the_numbers_of_the_papers_linear_part(paper_data):
@@ -197,49 +142,6 @@ def test_margins_at_the_actuators_where_the_reference_is_steady(paper_analysis):
         assert found[name].disk_both.radius == pytest.approx(ana.disk_margin(ana.actuator_loop(gain, motion)).radius)
 
 
-def test_a_chatter_table_is_a_grid(mine):
-    first, second = load_study(mine).chatter_grids()
-    assert [loop.lags for loop in first.loops] == [(0.005, 0.005), (0.009, 0.009), (0.02, 0.02)]
-    assert {(loop.surface, loop.reaching_rate, loop.switching_gain, loop.boundary_layer) for loop in first.loops} == {
-        (C, Q, P, 0.0)
-    }
-    assert len(second.loops) == 3 * 2 * 2
-    assert {loop.reaching_rate for loop in second.loops} == {2.0, 5.0}
-    assert {loop.delay for loop in second.loops} == {0.0, 0.002}
-    assert {loop.boundary_layer for loop in second.loops} == {0.0}
-
-
-def check_gates(data):
-    """The gates of prediction against simulation, for relays whose linear part is stable; rows that oscillate."""
-    for row in data["chatter"]:
-        assert set(row) >= KEYS and isinstance(row["lag_s"], list)
-        for source in ("predicted", "locus", "simulated"):
-            pair = (row[f"{source}_amplitude"], row[f"{source}_frequency_rad_s"])
-            assert (pair[0] is None) == (pair[1] is None)
-    rows = [row for row in data["chatter"] if row["linear_part_stable"] and not row["phi"]]
-    rows = [row for row in rows if row["simulated_amplitude"] is not None]
-    for row in rows:
-        assert row["predicted_frequency_rad_s"] == pytest.approx(row["simulated_frequency_rad_s"], rel=0.05)
-        assert row["predicted_amplitude"] == pytest.approx(row["simulated_amplitude"], rel=0.10)
-        assert row["locus_frequency_rad_s"] == pytest.approx(row["simulated_frequency_rad_s"], rel=0.01)
-        assert row["locus_amplitude"] == pytest.approx(row["simulated_amplitude"], rel=0.01)
-    return rows
-
-
-def test_chatter_rows(chatter_analysis):
-    data = json.loads(json.dumps(analysis_data(chatter_analysis), allow_nan=False))
-    two_lags = [row for row in data["chatter"] if row["grid"] == "two lags"]
-    assert len(check_gates({"chatter": two_lags})) == 2
-    assert (two_lags[0]["lag_s"], two_lags[0]["C"], two_lags[0]["Q"]) == ([0.005, 0.005], list(C), Q)
-    beyond = two_lags[2]
-    assert beyond["linear_part_stable"] is False and beyond["outcome"] == "diverges"
-    assert all(beyond[key] is None for key in KEYS - {"lag_s", "C", "Q", "P", "phi"})
-    others = [row for row in data["chatter"] if row["grid"] == "others"]
-    assert len(others) == 12
-    quiet = [row for row in others if row["delay_s"] == 0.0 and len(row["lag_s"]) < 2]
-    assert len(quiet) == 4 and all(row["simulated_amplitude"] is None for row in quiet)
-
-
 def test_files_and_figures(chatter_analysis, tmp_path):
     heard = []
     written = write_analysis(chatter_analysis, tmp_path / "new" / "out", progress=lambda *seen: heard.append(seen))
@@ -341,11 +243,6 @@ def test_progress_counts_every_run_and_point(mine):
     assert heard[-1][:2] == (5, 5) and "chatter: two lags" in {what for _, _, what in heard}
 
 
-def test_the_summary_needs_chatter(paper_analysis):
-    with pytest.raises(StudyError, match="no chatter tables"):
-        chatter_markdown(paper_analysis)
-
-
 def test_tables_fit_their_words(chatter_analysis, paper_analysis):
     from rich.console import Console
 
@@ -359,28 +256,3 @@ def test_tables_fit_their_words(chatter_analysis, paper_analysis):
         text = console.export_text()
         assert all(word in text for word in words), text
         assert "nan" not in text and "None" not in text
-
-
-def outline(text):
-    return re.findall(r"^#.*$|^- .*$|^\| \d.*$", re.sub(r"[\d.]+(?= %)", "", text), flags=re.MULTILINE)
-
-
-def test_the_shipped_study_is_what_its_summary_was_written_from():
-    study = load_study(resource("comparisons", "chatter.toml"))
-    points = sum(len(grid.loops) for grid in study.chatter_grids())
-    committed = resource("comparisons", "chatter.md").read_text(encoding="utf-8")
-    assert 40 <= points <= 80 and f"from the {points} points" in committed
-    assert re.findall(r"^## (.*)$", committed, flags=re.MULTILINE)[1:] == [one.title for one in study.chatter]
-
-
-@pytest.mark.slow
-def test_the_shipped_study():
-    found = analyze_study(resource("comparisons", "chatter.toml"))
-    rows = check_gates(analysis_data(found))
-    assert len(rows) > 40
-    every = [row for _, part in found.grids for row in part]
-    assert len([row for row in every if not row.linear_part_stable]) > 5
-    assert largest_error(every, "locus", "amplitude") < 1e-3
-    assert outline(chatter_markdown(found)) == outline(
-        resource("comparisons", "chatter.md").read_text(encoding="utf-8")
-    )
