@@ -1,5 +1,6 @@
 """The command line: what it prints, writes and exits with."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -52,7 +53,7 @@ def test_list_derives_nothing(run, monkeypatch: pytest.MonkeyPatch) -> None:  # 
 def test_list_names_everything_that_ships(run) -> None:  # type: ignore[no-untyped-def]
     status, out, _ = run("list")
     assert status == 0
-    for name in (*cli.SYSTEMS, *cli.BLOCKS, "paper"):
+    for name in (*cli.SYSTEMS, *cli.BLOCKS, "paper", "chatter"):
         assert name in out
 
 
@@ -81,6 +82,10 @@ def test_build_writes_valid_fmus(run, tmp_path: Path) -> None:  # type: ignore[n
         (["compare", "papper"], "did you mean 'paper'?"),
         (["compare", "missing.toml"], "missing.toml"),
         (["compare"], "Missing argument"),
+        (["analyze", "no-such-study"], "there is no study 'no-such-study'; there is "),
+        (["analyze", "chater"], "did you mean 'chatter'?"),
+        (["analyze", "missing.toml"], "missing.toml: there is no such study file; check the path"),
+        (["analyze"], "Missing argument"),
         (["frobnicate"], "No such command 'frobnicate'"),
     ],
 )
@@ -103,6 +108,62 @@ def test_unknown_key_of_a_study_is_named(run, tmp_path: Path) -> None:  # type: 
     status, _, err = run("compare", study, "-o", tmp_path / "out")
     assert status == 2 and "mine.toml" in err and "colour" in err
     assert not (tmp_path / "out").exists()
+
+
+ANALYZED = """
+name = "mine"
+title = "A study [with] brackets"
+[[laws]]
+name = "relay"
+kind = "sign"
+[[scenarios]]
+name = "circle"
+title = "Circle"
+duration_s = 1.0
+[[chatter]]
+title = "two [b] lags"
+lags_s = [[0.005, 0.005], [0.02, 0.02]]
+"""
+
+
+def test_analyze_prints_tables_and_writes_figures_and_numbers(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    study = tmp_path / "mine.toml"
+    study.write_text(ANALYZED)
+    status, out, err = run("analyze", study, "-o", tmp_path / "out")
+    assert status == 0 and "Traceback" not in err and "chatter: two" not in out
+    for piece in ("19.01", "9.229", "18.45", "0.3030", "Chatter: two [b] lags", "diverges", "circle/relay"):
+        assert piece in out
+    data = json.loads((tmp_path / "out" / "analysis.json").read_text())
+    assert [row["lag_s"] for row in data["chatter"]] == [[0.005, 0.005], [0.02, 0.02]]
+    assert data["chatter"][1]["simulated_amplitude"] is None
+    assert (tmp_path / "out" / "figures" / "describing-function.svg").exists()
+    assert str(tmp_path / "out" / "analysis.json") in out
+
+
+def test_analyze_goes_to_build_and_leaves_nothing_when_stopped(run, monkeypatch, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    from brunovsky.comparison import analyze
+
+    def interrupt(loops: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(analyze, "chatter_table", interrupt)
+    (tmp_path / "mine.toml").write_text(ANALYZED)
+    status, out, err = run("analyze", "mine.toml")
+    assert status == 130 and out == "" and err.endswith("brunovsky: stopped\n")
+    assert not (tmp_path / "build").exists()
+
+
+def test_analyze_refuses_what_it_cannot_use_before_any_work(run, monkeypatch, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    study = tmp_path / "mine.toml"
+    study.write_text(ANALYZED.replace("lags_s", "lags_ms"))
+    status, out, err = run("analyze", study, "-o", tmp_path / "out")
+    assert status == 2 and out == "" and err.count("\n") == 1
+    assert "mine.toml, line 13: chatter[1].lags_ms: unknown key" in err and "write lags_s" in err
+    study.write_text(ANALYZED)
+    status, out, err = run("analyze", study, "-o", study)
+    assert status == 2 and out == "" and err.count("\n") == 1 and "is a file where a folder is needed" in err
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["mine.toml"]
 
 
 def test_failed_runs_are_named_and_all_of_them_failing_is_status_1(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]

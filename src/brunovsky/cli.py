@@ -1,4 +1,4 @@
-"""The command line: derive, build, compare, list.
+"""The command line: derive, build, analyze, compare, list.
 
 Exit status 0 on success, 1 on a failed check or a comparison all of whose runs failed, 2 on unusable input, 130 on
 Ctrl-C, with one readable line and no traceback unless ``--debug``.
@@ -131,6 +131,34 @@ def build(
         progress.update(task, description="building FMUs")
     for path in paths:
         _say(str(path))
+
+
+@app.command()
+def analyze(
+    study: Annotated[Path, typer.Argument(help="Study file (TOML), or the name of one that ships.")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder; by default build/STUDY.")] = None,
+) -> None:
+    """Analyse a study without running it: poles, margins, sensitivity, predicted chatter."""
+    from brunovsky.comparison import analysis_tables, analyze_study, load_study, write_analysis
+    from brunovsky.comparison.analyze import require_folder
+
+    path = study if study.suffix == ".toml" else _shipped_study(str(study))
+    folder = output or Path("build") / path.stem
+    loaded = load_study(path)
+    require_folder(folder)
+    with _progress() as progress:
+        task = progress.add_task(escape(loaded.title), total=None)
+
+        def show(done: int, total: int, what: str) -> None:
+            progress.update(task, completed=done, total=total, description=escape(what))
+
+        analysis = analyze_study(loaded, progress=show)
+        written = write_analysis(analysis, folder, progress=show)
+    for table in analysis_tables(analysis):
+        _out.print(table)
+        _out.print()
+    for one in (written.analysis, written.figures[0].parent):
+        _say(str(one))
 
 
 @app.command()

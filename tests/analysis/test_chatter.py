@@ -121,7 +121,8 @@ def test_a_row_is_ready_for_json_and_null_where_nothing_oscillates():
         SwitchingLoop(C, Q, P, lags=[0.005, 0.005], sampling=0.001),
     ]
     rows = json.loads(json.dumps([dataclasses.asdict(row) for row in chatter_table(loops)]))
-    assert (rows[0]["lag_s"], rows[0]["lags"], rows[0]["C"]) == (0.005, 2, list(C))
+    assert (rows[0]["lag_s"], rows[0]["C"]) == ([0.005, 0.005], list(C))
+    assert rows[1]["lag_s"] == [0.01] and rows[2]["lag_s"] == []
     assert (rows[0]["Q"], rows[0]["P"], rows[0]["phi"]) == (Q, P, 0.0)
     quantities = [
         f"{source}_{what}"
@@ -138,8 +139,30 @@ def test_a_row_is_ready_for_json_and_null_where_nothing_oscillates():
     assert rows[4]["locus_amplitude"] > 0
 
 
-def test_what_a_row_cannot_hold_is_refused():
-    with pytest.raises(ParameterError, match="pass equal lags"):
-        chatter_table([SwitchingLoop(C, Q, P, lags=[0.01, 0.02])])
+def test_lags_may_differ_in_any_order():
+    loops = [SwitchingLoop(C, Q, P, lags=lags) for lags in ([0.004, 0.009], [0.009, 0.004])]
+    first, second = chatter_table(loops)
+    assert (first.lag_s, second.lag_s) == ((0.004, 0.009), (0.009, 0.004))
+    check([first, second])
+    assert first.locus_amplitude == pytest.approx(second.locus_amplitude, rel=1e-9)
+
+
+def test_a_row_says_whether_its_linear_part_is_stable():
+    limit = lag_margin(sliding_gain(C, Q), 2)
+    rows = chatter_table([two_lags(C, Q, P, factor * limit) for factor in (0.99, 1.01, 2.0)])
+    assert [row.linear_part_stable for row in rows] == [True, False, False]
+    assert [row.outcome for row in rows] == ["cycle", "cycle", "diverges"]
+    assert rows[2].predicted_amplitude is None and rows[2].simulated_amplitude is None
+
+
+def test_behind_a_delay_alone_only_the_locus_holds():
+    """Nothing filters the relay there: S is a triangle, whose first harmonic is smaller than its peak."""
+    for row in chatter_table([SwitchingLoop(C, Q, P, delay=delay) for delay in (0.002, 0.005)]):
+        assert row.predicted_amplitude / row.simulated_amplitude == pytest.approx(0.81, abs=0.01)
+        assert row.locus_amplitude == pytest.approx(row.simulated_amplitude, rel=0.01)
+        assert row.locus_frequency_rad_s == pytest.approx(row.simulated_frequency_rad_s, rel=0.01)
+
+
+def test_a_loop_that_does_not_switch_is_refused():
     with pytest.raises(ParameterError, match="P > 0"):
         chatter_table([SwitchingLoop(C, Q, 0.0, lags=[0.01])])

@@ -5,7 +5,16 @@ from pathlib import Path
 import pytest
 
 from brunovsky._resources import resource
-from brunovsky.comparison import Comparison, ReportFiles, Study, load_study, run_study, write_report
+from brunovsky.comparison import (
+    Analysis,
+    Comparison,
+    ReportFiles,
+    Study,
+    analyze_study,
+    load_study,
+    run_study,
+    write_report,
+)
 
 
 @pytest.fixture(scope="session")
@@ -55,3 +64,50 @@ def small(tmp_path: Path) -> Path:
     path = tmp_path / "small.toml"
     path.write_text(SMALL, encoding="utf-8")
     return path
+
+
+CHATTER = """
+name = "mine"
+title = "A study with chatter"
+engine = "native"
+
+[[laws]]
+name = "relay"
+kind = "sign"
+parameters = { P_m_per_s3 = 2.5 }
+
+[[laws]]
+name = "layer"
+kind = "saturation"
+parameters = { P_m_per_s3 = 2.5, phi_m_per_s2 = 0.05 }
+
+[[scenarios]]
+name = "circle"
+title = "Circle"
+duration_s = 3.0
+
+[[chatter]]
+title = "two lags"
+lags_s = [[0.005, 0.005], [0.009, 0.009], [0.02, 0.02]]
+
+[[chatter]]
+title = "others"
+law = "layer"
+lags_s = [[], [0.005], [0.003, 0.007]]
+delay_s = [0.0, 0.002]
+parameters = { Q_per_s = [2.0, 5], phi_m_per_s2 = 0.0 }
+"""
+
+
+@pytest.fixture
+def mine(tmp_path: Path) -> Path:
+    path = tmp_path / "mine.toml"
+    path.write_text(CHATTER, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def chatter_analysis(tmp_path_factory: pytest.TempPathFactory) -> Analysis:
+    path = tmp_path_factory.mktemp("study") / "mine.toml"
+    path.write_text(CHATTER, encoding="utf-8")
+    return analyze_study(path)

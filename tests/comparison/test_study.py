@@ -116,10 +116,70 @@ def test_what_is_said_about_a_study_that_cannot_be_used(small, old, new, told):
     message = str(failure.value)
     assert message.startswith(str(small))
     assert "\n" not in message
-    assert "more problem" not in message or "duration" in new
+    assert "more problem" not in message or "duration" in new or "lags_ms" in new
     assert "pydantic" not in message and "Value error" not in message
     for part in told:
         assert part in message, message
+
+
+CHATTER = """
+[[chatter]]
+title = "grid"
+lags_s = [[0.005, 0.005], [0.01]]
+parameters = { Q_per_s = [1.0, 2.0] }
+"""
+LAGS = "lags_s = [[0.005, 0.005], [0.01]]"
+GIVEN = "Q_per_s = [1.0, 2.0]"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        (LAGS, "lags_ms = [[5.0]]", ["line 28", "chatter[1].lags_ms", "is in s", "write lags_s"]),
+        (LAGS, "", ["lags_s", "missing"]),
+        (LAGS, "lags_s = []", ["line 28", "lags_s", "list should have at least 1 item"]),
+        (LAGS, "lags_s = [0.005, 0.005]", ["lags_s", "no list of lists", "[[0.005, 0.005]"]),
+        ("[0.01]]", "[-0.01]]", ["line 28", "chatter[1].lags_s[2][1]", "-0.01 s is out of range", "1e-06 to 100"]),
+        ("[0.01]]", "[1e-9]]", ["lags_s[2][1]", "1e-06 to 100"]),
+        ("[0.01]]", "[nan]]", ["lags_s[2][1]", "finite"]),
+        ("[0.01]]", "[0.1, 0.1, 0.1, 0.1, 0.1]]", ["lags_s[2]", "at most 4 items"]),
+        ("[0.01]]", "[0.01]]\ndelay_s = -1.0", ["line 29", "delay_s[1]", "out of range"]),
+        ("[0.01]]", "[0.01]]\nsampling_s = 0.0", ["line 29", "sampling_s", "greater than 0"]),
+        ("[0.01]]", '[0.01]]\nlaw = "linear"', ["line 26", "'grid'", "no law 'linear' with a switching term", "relay"]),
+        (GIVEN, "Q = 1.0", ["line 29", "chatter[1].parameters.Q", "is in 1/s: write Q_per_s"]),
+        (GIVEN, "x_start_m = 1.0", ["x_start_m", "known are C_1_per_s2"]),
+        (GIVEN, "P_m_per_s3 = -1.0", ["line 29", "P_m_per_s3 = -1", "out of range"]),
+        (GIVEN, "P_m_per_s3 = 0.0", ["line 26", "P_m_per_s3 = 0 has no chatter"]),
+        (GIVEN, "Q_per_s = -1.0", ["line 26", "'grid'", "Q = -1"]),
+        (GIVEN, "Q_per_s = 1e300", ["Q_per_s = 1e+300", "beyond all scales"]),
+        (GIVEN, "C_2_per_s = -1.0", ["line 26", "'grid'", "not stable"]),
+        (GIVEN, f"Q_per_s = {list(range(1, 2000))}", ["'grid'", "points; give at most 2000"]),
+        ("[[chatter]]", "[chatter]", ["line 26", "write [[chatter]]"]),
+    ],
+)
+def test_what_is_said_about_a_chatter_table_that_cannot_be_used(small, old, new, told):
+    test_what_is_said_about_a_study_that_cannot_be_used(_with_chatter(small), old, new, told)
+
+
+def _with_chatter(path):
+    path.write_text(path.read_text() + CHATTER)
+    return path
+
+
+def test_all_chatter_tables_together_are_limited(small):
+    many = CHATTER.replace(GIVEN, f"Q_per_s = {list(range(1, 900))}")
+    small.write_text(small.read_text() + many + many)
+    with pytest.raises(StudyError, match="3596 points together"):
+        load_study(small)
+
+
+def test_a_law_with_a_switching_term_is_needed_where_p_is_not_given(small):
+    text = _with_chatter(small).read_text()
+    small.write_text(text.replace('kind = "sign"\nparameters = { P_m_per_s3 = 2.5 }', 'kind = "linear"'))
+    with pytest.raises(StudyError, match="no law has a switching term; give P_m_per_s3 and phi_m_per_s2"):
+        load_study(small)
+    small.write_text(small.read_text().replace(GIVEN, "P_m_per_s3 = 1.0, phi_m_per_s2 = 0.0"))
+    assert load_study(small).chatter_grids()[0].loops[0].switching_gain == 1.0
 
 
 def test_a_line_inside_an_inline_table_is_found(small):

@@ -9,7 +9,6 @@ from brunovsky.analysis.limit_cycles import LimitCycle, predicted_cycles, requir
 from brunovsky.analysis.relay_locus import relay_cycles
 from brunovsky.analysis.simulated_cycle import simulated_cycle
 from brunovsky.analysis.switching_loop import SwitchingLoop
-from brunovsky.errors import ParameterError
 
 
 @dataclass(frozen=True)
@@ -18,10 +17,8 @@ class ChatterRow:
 
     Attributes
     ----------
-    lag_s : float
-        Time constant of each lag (s); 0 without lags.
-    lags : int
-        Number of lags.
+    lag_s : tuple of float
+        Time constants of the lags (s); empty without.
     delay_s : float
         Delay (s).
     sampling_s : float or None
@@ -39,12 +36,14 @@ class ChatterRow:
         or the element is no relay.
     simulated_amplitude, simulated_frequency_rad_s, simulated_fundamental : float or None
         The same, measured; None where the simulation shows no oscillation.
+    linear_part_stable : bool
+        Whether the loop without its switching term is stable behind lags, delay and hold. Where it is not, a small
+        limit cycle may still be stable, and larger errors diverge.
     outcome : str
         Of `SimulatedResponse`.
     """
 
-    lag_s: float
-    lags: int
+    lag_s: tuple[float, ...]
     delay_s: float
     sampling_s: float | None
     C: tuple[float, ...]
@@ -60,6 +59,7 @@ class ChatterRow:
     simulated_amplitude: float | None
     simulated_frequency_rad_s: float | None
     simulated_fundamental: float | None
+    linear_part_stable: bool
     outcome: str
 
 
@@ -73,7 +73,7 @@ def chatter_table(loops: Iterable[SwitchingLoop]) -> tuple[ChatterRow, ...]:
     Parameters
     ----------
     loops : iterable of SwitchingLoop
-        Each with P > 0, and lags that are equal.
+        Each with P > 0.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def chatter_table(loops: Iterable[SwitchingLoop]) -> tuple[ChatterRow, ...]:
     Raises
     ------
     ParameterError
-        If P is zero, or the lags of a loop differ, which a row has no place for.
+        If P is zero.
 
     References
     ----------
@@ -94,18 +94,12 @@ def chatter_table(loops: Iterable[SwitchingLoop]) -> tuple[ChatterRow, ...]:
 
 def _row(loop: SwitchingLoop) -> ChatterRow:
     require_switching(loop, "chatter_table")
-    if len(set(loop.lags)) > 1:
-        raise ParameterError(
-            f"chatter_table: lags = {list(loop.lags)} differ, and a row holds one number for them; pass equal lags, or "
-            "use predicted_cycles, relay_cycles and simulated_cycle"
-        )
     predicted = _smallest(predicted_cycles(loop))
     exact = _exact(loop, predicted)
     measured = simulated_cycle(loop)
     seen = measured.cycle
     return ChatterRow(
-        lag_s=loop.lags[0] if loop.lags else 0.0,
-        lags=len(loop.lags),
+        lag_s=loop.lags,
         delay_s=loop.delay,
         sampling_s=loop.sampling,
         C=loop.surface,
@@ -121,6 +115,7 @@ def _row(loop: SwitchingLoop) -> ChatterRow:
         simulated_amplitude=seen.amplitude if seen else None,
         simulated_frequency_rad_s=seen.frequency if seen else None,
         simulated_fundamental=seen.fundamental if seen else None,
+        linear_part_stable=loop.unstable_poles() == 0,
         outcome=measured.outcome,
     )
 

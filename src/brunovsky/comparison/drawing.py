@@ -13,9 +13,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
+from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from brunovsky.comparison.facts import power_of_ten
+from brunovsky.comparison.facts import given, power_of_ten
 from brunovsky.comparison.metrics import Array
 
 SETTINGS: Any = {
@@ -36,6 +36,7 @@ SETTINGS: Any = {
     "path.simplify_threshold": 0.2,
 }
 BINS = 500  # of the thinning; two values a bin
+_FEW = 1e3  # ratio of the ends of a logarithmic axis with few powers of ten
 LARGEST = 1e12  # what a run that diverged is drawn up to
 
 
@@ -125,6 +126,20 @@ def signed_decades(axes: Axes, linear: float, at_least: float, most: int = 2) ->
     axes.set_yscale("symlog", linthresh=10.0**low, linscale=0.6)
     axes.set_ylim(-(10.0**high), 10.0**high)
     _set_ticks(axes, [*(-tick for tick in ticks), 0.0, *reversed(ticks)])
+
+
+def plain_decades(figure: Figure) -> None:
+    """Plain text at the ticks of all logarithmic axes; between powers of ten only where there are few of these."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if axis.get_scale() != "log":
+                continue
+            low, high = sorted(axis.get_view_interval())
+            axis.set_major_formatter(FuncFormatter(lambda value, _: power_of_ten(value)))
+            few = high < _FEW * low
+            axis.set_minor_formatter(FuncFormatter(lambda value, _: given(value)) if few else NullFormatter())
+            if few:
+                axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
 
 
 def _set_ticks(axes: Axes, ticks: list[float]) -> None:

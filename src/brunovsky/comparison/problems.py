@@ -13,6 +13,8 @@ from brunovsky.comparison.keys import remedy
 
 _HEADER = re.compile(r"\s*\[\[?\s*([\w.-]+)\s*\]\]?\s*(?:#.*)?$")
 
+_NAMED = re.compile(r"([a-z]+)\[(\d+)\] ")
+
 
 def describe(path: Path, text: str, error: ValidationError, models: Mapping[str, type[BaseModel]]) -> str:
     """One line for the first problem of a study file, with the number of others.
@@ -32,6 +34,10 @@ def describe(path: Path, text: str, error: ValidationError, models: Mapping[str,
     problems.sort(key=lambda one: one["type"] == "missing")
     first = problems[0]
     where = [part for part in first["loc"] if part != "[key]"]
+    named = _NAMED.match(_plain(first)) if not where else None
+    if named:  # a check of the whole study that names its table
+        line = _line(text, [named[1], int(named[2]) - 1])
+        return f"{path}{f', line {line}' if line else ''}: {_plain(first)}"
     line = _line(text, where)
     place = f"{path}, line {line}" if line else str(path)
     others = len(problems) - 1
@@ -46,12 +52,20 @@ def _what(problem: Any, where: list[int | str], models: Mapping[str, type[BaseMo
         return f"unknown key; {remedy(str(where[-1]), list(fields))}"
     if problem["type"] == "missing":
         return "is missing; add it"
-    message = str(problem["msg"])
     if problem["type"] == "value_error":
-        return message.removeprefix("Value error, ")
+        return _plain(problem)
+    if problem["type"] == "tuple_type":
+        return (
+            f"is one table; write [[{where[0]}]]" if len(where) == 1 and where[0] in models else "is no list; write one"
+        )
+    message = str(problem["msg"]).replace("Tuple", "list").replace(" after validation", "")
     message = message[:1].lower() + message[1:]
     given = problem.get("input")
     return f"{message}; it is {given!r}" if isinstance(given, str | int | float | bool) else message
+
+
+def _plain(problem: Any) -> str:
+    return str(problem["msg"]).removeprefix("Value error, ")
 
 
 def _place(where: list[int | str]) -> str:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -20,6 +17,7 @@ from brunovsky.comparison.equations import determinant, inner_loop_equations, pl
 from brunovsky.comparison.facts import given, joined, number
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.linear_part import linear_loops, motion_on_surface, shares_one_linear_part
+from brunovsky.comparison.output import write_text
 from brunovsky.comparison.run import Comparison, Progress, run_study
 from brunovsky.comparison.sensitivity import CONVERGED, MARK, step_sensitivity
 from brunovsky.comparison.study import EngineName, Scenario, Study, load_study
@@ -75,8 +73,8 @@ def write_report(comparison: Comparison, folder: str | Path) -> ReportFiles:
     folder.mkdir(parents=True, exist_ok=True)
     written = ReportFiles(folder / "report.html", folder / "metrics.json")
     report, metrics = render_report(comparison), json.dumps(metrics_data(comparison), indent=1, allow_nan=False) + "\n"
-    _write(written.report, report)
-    _write(written.metrics, metrics)
+    write_text(written.report, report)
+    write_text(written.metrics, metrics)
     return written
 
 
@@ -203,16 +201,3 @@ def _template() -> jinja2.Template:
 
 def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
     return {name: dict(value) if isinstance(value, Mapping) else value for name, value in data.items()}
-
-
-def _write(path: Path, text: str) -> None:
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.unlink(name)
-        raise

@@ -147,7 +147,7 @@ def run_study(
             report(index, len(plan), planned.name)
             runs.append(_run(planned, simulator, native))
         report(len(plan), len(plan), "runs")
-        provenance = _provenance(study, simulator)
+        provenance = study_provenance(study, **simulator.provenance(), step_size=study.step_size_s)
     return Comparison(study, chosen, tuple(runs), FrozenMapping(provenance))
 
 
@@ -195,11 +195,11 @@ def _engine(
         yield stack.enter_context(opened_fmu(path))
 
 
-def _provenance(study: Study, engine: Engine) -> dict[str, Any]:
+def study_provenance(study: Study, **more: Any) -> dict[str, Any]:
+    """What made the results of a study, and when; `more` is what simulated it."""
     return {
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
-        **engine.provenance(),
-        "step_size": study.step_size_s,
+        **more,
         "study_sha256": study.digest(),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",

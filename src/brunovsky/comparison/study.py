@@ -16,8 +16,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
-    ConfigDict,
     Field,
     FiniteFloat,
     PlainSerializer,
@@ -26,8 +24,10 @@ from pydantic import (
 )
 
 from brunovsky._frozen import FrozenMapping
-from brunovsky.comparison.keys import Key, bounds, input_keys, parameter_keys, remedy, study_block
+from brunovsky.comparison.chatter_grid import MOST_POINTS, ChatterGrid, ChatterTable
+from brunovsky.comparison.keys import input_keys, parameter_keys, remedy, study_block
 from brunovsky.comparison.problems import describe
+from brunovsky.comparison.study_table import StudyTable, by_name, in_range, known_key
 from brunovsky.errors import StudyError
 
 FASTEST_LAYER = 2.5  # step times pole of a boundary layer; RK4 is unstable on the real axis from 2.785 on
@@ -38,51 +38,31 @@ LawKind = Literal["linear", "saturation", "sign"]
 EngineName = Literal["fmpy", "native"]
 
 
-def _known(text: str, keys: Mapping[str, Key], what: str) -> str:
-    if text not in keys:
-        raise ValueError(f"unknown {what}; {remedy(text, keys.values())}")
-    return text
-
-
 def _scenario_parameter(text: str) -> str:
-    key = parameter_keys()[_known(text, parameter_keys(), "parameter or unit")]
+    key = parameter_keys()[known_key(text, parameter_keys(), "parameter or unit")]
     if key.variable.name in SWITCHING:
         raise ValueError("belongs to a law, so that laws differ in nothing else; move it to a [[laws]] table")
     return text
 
 
 def _law_parameter(text: str) -> str:
-    key = parameter_keys()[_known(text, parameter_keys(), "parameter or unit")]
+    key = parameter_keys()[known_key(text, parameter_keys(), "parameter or unit")]
     if key.variable.name not in SWITCHING:
         raise ValueError("is shared by all laws, which differ only in P and phi; move it to [parameters] or a scenario")
     return text
 
 
 def _disturbance(text: str) -> str:
-    return _known(text, input_keys(), "disturbance or unit")
+    return known_key(text, input_keys(), "disturbance or unit")
 
 
-def _in_range(table: Mapping[str, float]) -> Mapping[str, float]:
-    known = {**parameter_keys(), **input_keys()}
-    for text, value in table.items():
-        lowest, highest = bounds(known[text])
-        if not lowest <= value <= highest:
-            allowed = f"{lowest:g} or more" if highest == float("inf") else f"{lowest:g} to {highest:g}"
-            raise ValueError(f"{text} = {value:g} is out of range; give {allowed}")
-    return FrozenMapping(table)
-
-
-_Freeze = (AfterValidator(_in_range), PlainSerializer(dict))
+_Freeze = (AfterValidator(in_range), PlainSerializer(dict))
 ScenarioTable = Annotated[Mapping[Annotated[str, AfterValidator(_scenario_parameter)], FiniteFloat], *_Freeze]
 LawTable = Annotated[Mapping[Annotated[str, AfterValidator(_law_parameter)], FiniteFloat], *_Freeze]
 DisturbanceTable = Annotated[Mapping[Annotated[str, AfterValidator(_disturbance)], FiniteFloat], *_Freeze]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
-
-
-class Law(_Table):
+class Law(StudyTable):
     """One outer loop: the shared linear part, plus a switching term or none.
 
     ``linear`` is pole placement (P = 0), ``saturation`` the boundary layer (phi > 0), ``sign`` the relay (phi = 0).
@@ -109,10 +89,10 @@ class Law(_Table):
         """P and phi of this law by their names in the model."""
         forced = {"linear": {"P": 0.0}, "sign": {"phi": 0.0}, "saturation": {}}[self.kind]
         defaults = {one.name: one.value for one in study_block().parameters if one.name in SWITCHING}
-        return defaults | _by_name(self.parameters, parameter_keys()) | forced
+        return defaults | by_name(self.parameters, parameter_keys()) | forced
 
 
-class Scenario(_Table):
+class Scenario(StudyTable):
     """One task for the robot: start, reference, disturbances and duration, run under several laws."""
 
     name: Name
@@ -153,7 +133,7 @@ class PlannedRun:
         return data | {"parameters": dict(self.parameters), "inputs": dict(self.inputs)}
 
 
-class Study(_Table):
+class Study(StudyTable):
     """A comparison: laws, scenarios and how they are run."""
 
     name: Name
@@ -165,6 +145,7 @@ class Study(_Table):
     parameters: ScenarioTable = Field(default_factory=lambda: FrozenMapping({}))
     laws: tuple[Law, ...] = Field(min_length=1, strict=False)
     scenarios: tuple[Scenario, ...] = Field(min_length=1, strict=False)
+    chatter: tuple[ChatterTable, ...] = Field(default=(), strict=False)
 
     @model_validator(mode="after")
     def _check_runs(self) -> Study:
@@ -191,6 +172,19 @@ class Study(_Table):
             for check in study_block().failed_checks(run.parameters, "start"):
                 raise ValueError(f"scenario '{run.scenario}', law '{run.law}': {check.message}")
         return self
+
+    @model_validator(mode="after")
+    def _check_chatter(self) -> Study:
+        points = sum(len(grid.loops) for grid in self.chatter_grids())
+        if points > MOST_POINTS:
+            raise ValueError(f"the chatter tables have {points} points together; give at most {MOST_POINTS}")
+        return self
+
+    def chatter_grids(self) -> tuple[ChatterGrid, ...]:
+        """Grids of switching loops whose chatter is predicted and measured, a grid for each chatter table."""
+        switching = [law for law in self.laws if law.kind != "linear" and law.values["P"] > 0.0]
+        shared = study_block().parameter_values(by_name(self.parameters, parameter_keys()))
+        return tuple(table.grid(k, shared, switching) for k, table in enumerate(self.chatter, 1))
 
     def _check_layer(self, run: PlannedRun) -> None:
         """Refuse a boundary layer too thin for the step: within it S' = -(Q + P/phi) S, a linear branch."""
@@ -223,7 +217,7 @@ class Study(_Table):
 
     def _planned(self, scenario: Scenario, law: Law) -> PlannedRun:
         inputs = {one.name: one.start for one in study_block().inputs}
-        tables = _by_name(self.parameters, parameter_keys()) | _by_name(scenario.parameters, parameter_keys())
+        tables = by_name(self.parameters, parameter_keys()) | by_name(scenario.parameters, parameter_keys())
         return PlannedRun(
             name=f"{scenario.name}/{law.name}",
             scenario=scenario.name,
@@ -231,7 +225,7 @@ class Study(_Table):
             duration=scenario.duration_s,
             step_size=self.step_size_s,
             parameters=FrozenMapping(study_block().parameter_values(tables | law.values)),
-            inputs=FrozenMapping(inputs | _by_name(scenario.disturbances, input_keys())),
+            inputs=FrozenMapping(inputs | by_name(scenario.disturbances, input_keys())),
         )
 
     def digest(self) -> str:
@@ -268,8 +262,6 @@ def load_study(path: str | Path) -> Study:
     try:
         return Study.model_validate(data)
     except ValidationError as error:
-        raise StudyError(describe(path, text, error, {"": Study, "laws": Law, "scenarios": Scenario})) from None
-
-
-def _by_name(table: Mapping[str, float], keys: Mapping[str, Key]) -> dict[str, float]:
-    return {keys[text].variable.name: float(value) for text, value in table.items()}
+        raise StudyError(
+            describe(path, text, error, {"": Study, "laws": Law, "scenarios": Scenario, "chatter": ChatterTable})
+        ) from None

@@ -1,0 +1,43 @@
+"""What the tables of a study file share: strictness, and numbers under the keys of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pydantic import BaseModel, ConfigDict
+
+from brunovsky._frozen import FrozenMapping
+from brunovsky.comparison.keys import Key, bounds, input_keys, parameter_keys, remedy
+
+
+class StudyTable(BaseModel):
+    """A table of a study file: no other keys than these, no conversions, frozen."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
+
+
+def known_key(text: str, keys: Mapping[str, Key], what: str) -> str:
+    """Return a key of the model as it is, or say what to write instead."""
+    if text not in keys:
+        raise ValueError(f"unknown {what}; {remedy(text, keys.values())}")
+    return text
+
+
+def check_range(text: str, value: float) -> None:
+    """Refuse a number outside the range of what its key sets."""
+    lowest, highest = bounds({**parameter_keys(), **input_keys()}[text])
+    if not lowest <= value <= highest:
+        allowed = f"{lowest:g} or more" if highest == float("inf") else f"{lowest:g} to {highest:g}"
+        raise ValueError(f"{text} = {value:g} is out of range; give {allowed}")
+
+
+def in_range(table: Mapping[str, float]) -> Mapping[str, float]:
+    """Freeze a table of numbers, all in their ranges."""
+    for text, value in table.items():
+        check_range(text, value)
+    return FrozenMapping(table)
+
+
+def by_name(table: Mapping[str, float], keys: Mapping[str, Key]) -> dict[str, float]:
+    """Values by the names of the model."""
+    return {keys[text].variable.name: float(value) for text, value in table.items()}
