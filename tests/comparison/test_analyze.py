@@ -68,7 +68,7 @@ def test_starts_are_those_of_the_simulation(paper, paper_analysis):
         assert run.name == planned.name
         data = br.simulate(study_block(), 1e-3, parameters=dict(planned.parameters), record=["S[1]", "S[2]"])
         for found, name in zip(run.sliding_start, ("S[1]", "S[2]"), strict=True):
-            assert found == pytest.approx(float(data[name][0]), rel=1e-12, abs=1e-12)
+            assert found == pytest.approx(float(data[name][0]), rel=1e-12, abs=1e-11)
 
 
 def test_reaching_times_are_those_of_the_runs(paper_runs, paper_analysis):
@@ -83,8 +83,8 @@ def test_reaching_times_are_those_of_the_runs(paper_runs, paper_analysis):
         for axis, expected in enumerate(run.reaching_time, 1):
             S = simulated.trajectory[f"S[{axis}]"].values
             width = p["phi"] if run.law == "saturation" else 0.0
-            if expected == 0.0:
-                assert abs(S[0]) <= width + 1e-12
+            if expected < 1e-9:  # on the surface but for rounding
+                assert abs(S[0]) <= width + 1e-11
                 continue
             inside = np.abs(S) <= width if width else np.sign(S) != np.sign(S[0])
             first = float(simulated.trajectory["time"][np.argmax(inside)])
