@@ -182,7 +182,7 @@ def reaching_phase_plane(
     )
     axes.axis(box)
     axes.set(xlabel="S (m/s²)", ylabel="S' (m/s³)")
-    axes.legend(loc="upper right")
+    axes.legend(loc="upper right", frameon=True, framealpha=0.9)
     return plot
 
 

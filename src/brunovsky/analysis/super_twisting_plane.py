@@ -119,7 +119,7 @@ def super_twisting_phase_plane(
     )
     axes.axis(box)
     axes.set(xlabel="S (m/s²)", ylabel="S' (m/s³)")
-    axes.legend(loc="upper right")
+    axes.legend(loc="upper right", frameon=True, framealpha=0.9)
     return plot
 
 
