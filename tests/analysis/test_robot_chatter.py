@@ -7,7 +7,7 @@ import pytest
 
 import brunovsky as br
 from brunovsky import analysis
-from brunovsky.errors import ParameterError
+from brunovsky.errors import ParameterError, SimulationError
 
 B = br.blocks
 C, Q, P = (500.0, 10.0, 1.0), 5.0, 2.5
@@ -140,3 +140,16 @@ def test_bad_numbers_are_refused():
         analysis.actuated_response(two_lags(0.005), [0.0])
     with pytest.raises(ParameterError, match="step_size"):
         analysis.robot_chatter_table([two_lags(0.005)], step_size=0.0)
+    with pytest.raises(ParameterError, match="longer step_size"):
+        analysis.robot_chatter_table([two_lags(1e-6)])
+
+
+def test_beyond_the_limit_along_the_heading_it_grows():
+    """Two lags of 12 ms: the chain at v has a stable cycle, the robot does not, since its motion along grows."""
+    try:
+        (found,) = analysis.robot_chatter_table([two_lags(0.012)])
+    except SimulationError:
+        return
+    assert found.at_v.stable
+    assert found.frequency_error is None
+    assert max(one.largest for one in found.measured if one) > 10 * found.at_v.amplitude

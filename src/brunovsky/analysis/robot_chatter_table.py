@@ -23,10 +23,13 @@ from brunovsky.analysis.robot_chatter import (
 )
 from brunovsky.analysis.switching_loop import SwitchingLoop
 from brunovsky.blocks import Block, closed_loop, line, robot_with_lags, sliding_mode
+from brunovsky.errors import ParameterError
 from brunovsky.native import simulate
 
 _STEPS = 250  # in a lag
 _PERIODS = 40
+_STEADY = 1.2  # largest period over the mean, up to which a measured oscillation is steady
+_LONGEST = 2_000_000  # steps of a simulation
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,8 @@ class RobotChatterRow:
     axis : int
         Which of them has the larger amplitude, 1 or 2; the errors are those of this axis.
     amplitude_error, frequency_error : float or None
-        at_v over what is measured, less 1.
+        at_v over what is measured, less 1; None where either is missing, or what is measured still grows or dies out
+        (its largest period is above 1.2 times the mean).
     """
 
     lag_s: float
@@ -88,7 +92,9 @@ def robot_chatter_table(
     Raises
     ------
     ParameterError
-        If a loop is another one, or a number not finite or out of range.
+        If a loop is another one, a number not finite or out of range, or a simulation longer than two million steps.
+    SimulationError
+        If the robot diverges so far that a step is not finite.
 
     References
     ----------
@@ -111,7 +117,7 @@ def _rows(loop: SwitchingLoop, headings: NDArray[np.float64], step: float | None
         seen = measured[axis - 1]
         errors = (
             (at_v.amplitude / seen.amplitude - 1.0, at_v.frequency / seen.frequency - 1.0)
-            if at_v and seen
+            if at_v and seen and seen.largest < _STEADY * seen.amplitude
             else (None, None)
         )
         at_u = predicted_robot_chatter(loop, heading)
@@ -125,6 +131,13 @@ def _simulated(
     size = expected.amplitude if expected else loop.switching_gain * loop.lags[0]
     rates = np.abs([one.real for one in surface_poles(loop.surface)] + [loop.reaching_rate or np.inf])
     settled = 15.0 / float(np.min(rates))
+    duration = settled + _PERIODS * 2.0 * np.pi / frequency
+    step_size = step or loop.lags[0] / _STEPS
+    if not duration / step_size <= _LONGEST:
+        raise ParameterError(
+            f"robot_chatter_table: {duration:.3g} s until the chatter is steady are, in steps of {step_size:.3g} s, "
+            f"more than {_LONGEST} steps; pass a longer step_size, or a surface or lags that are not as far apart"
+        )
     offset = 0.1 * size / abs(loop.surface[0])
     values = {
         **{f"C[{k}]": one for k, one in enumerate(loop.surface, 1)},
@@ -135,8 +148,8 @@ def _simulated(
     }
     data = simulate(
         _robot_on_a_line(len(loop.lags)),
-        settled + _PERIODS * 2.0 * np.pi / frequency,
-        step_size=step or loop.lags[0] / _STEPS,
+        duration,
+        step_size=step_size,
         parameters=values,
         record=["S[1]", "S[2]"],
     )
