@@ -48,7 +48,9 @@ BLOCKS: Mapping[str, Callable[[], br.Block]] = {
     for name in (
         "robot",
         "linearized_robot",
+        "robot_with_lags",
         "circle",
+        "line",
         "sliding_mode",
         "sliding_mode_relay",
         "sliding_mode_sampled",

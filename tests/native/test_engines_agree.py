@@ -42,7 +42,8 @@ def difference(one: xr.Dataset, other: xr.Dataset) -> float:
 
 
 @pytest.mark.parametrize(
-    "name", ["robot", "linearized_robot", "circle", "sliding_mode", "pole_placement", "closed_loop"]
+    "name",
+    ["robot", "linearized_robot", "robot_with_lags", "circle", "line", "sliding_mode", "pole_placement", "closed_loop"],
 )
 def test_shipped_blocks_agree_to_rounding(name: str) -> None:
     block = getattr(br.blocks, name)()

@@ -7,8 +7,9 @@ loop at its actuators, `input_sensitivity` says what v costs at u for any plant.
 
 A `SwitchingLoop` is a chain under the switching law behind an actuator with lags, delay or sampling. Its chatter is
 predicted by describing function (`limit_cycles`) and exactly (`relay_locus`, `sampled_relay`), and measured
-(`simulated_cycle`, `basin`); `chatter` sets the three side by side. `sampled` and `twisting` say for which periods and
-gains the sampled laws and super-twisting work.
+(`simulated_cycle`, `basin`); `chatter` sets the three side by side. `robot_chatter` does it for the robot, whose
+actuators lag behind the inner loop; `measured_chatter` measures it in any record. `sampled` and `twisting` say for
+which periods and gains the sampled laws and super-twisting work.
 
 `system` hands a whole block to python-control.
 """
@@ -30,11 +31,23 @@ from brunovsky.analysis.disk_margin import DiskMargin, disk_margin
 from brunovsky.analysis.input_sensitivity import InputSensitivity, input_gain, input_sensitivity, input_sensitivity_plot
 from brunovsky.analysis.integrator_chains import chain, chains, error_dynamics
 from brunovsky.analysis.limit_cycles import LimitCycle, harmonic_balance, predicted_cycles
+from brunovsky.analysis.measured_chatter import MeasuredChatter, measured_chatter
 from brunovsky.analysis.opened_loop import OpenedLoop, opened_loop
 from brunovsky.analysis.optimal import lqr_gain, surface_from_cost
-from brunovsky.analysis.phase_plane import lagged_reaching, reaching_phase_plane, surface_motion, surface_phase_plane
+from brunovsky.analysis.phase_plane import (
+    lagged_reaching,
+    reaching_phase_plane,
+    surface_motion,
+    surface_phase_plane,
+)
 from brunovsky.analysis.reaching import RelayCycle, reaching_time, relay_cycle
 from brunovsky.analysis.relay_locus import relay_cycles, relay_locus
+from brunovsky.analysis.robot_chatter import (
+    RobotChatter,
+    actuated_response,
+    predicted_robot_chatter,
+)
+from brunovsky.analysis.robot_chatter_table import RobotChatterRow, robot_chatter_table
 from brunovsky.analysis.robustness import Margins, lag_margin, loop_margins, loop_transfer, margins
 from brunovsky.analysis.root_locus import pole_zero_map, root_locus_over_reaching_rate, root_locus_over_surface_gain
 from brunovsky.analysis.sampled import largest_sampling_period, sampled_sliding_poles
@@ -55,6 +68,7 @@ from brunovsky.analysis.sliding import (
     yaw_disturbance_bound,
 )
 from brunovsky.analysis.steady_motion import SteadyMotion, steady_motion
+from brunovsky.analysis.super_twisting_plane import super_twisting_motion, super_twisting_phase_plane
 from brunovsky.analysis.switching_loop import SwitchingLoop
 from brunovsky.analysis.system import to_control
 from brunovsky.analysis.twisting import super_twisting_condition, super_twisting_gains, super_twisting_slope_bound
@@ -65,11 +79,15 @@ __all__ = [
     "InputSensitivity",
     "LimitCycle",
     "Margins",
+    "MeasuredChatter",
     "OpenedLoop",
     "RelayCycle",
+    "RobotChatter",
+    "RobotChatterRow",
     "SimulatedResponse",
     "SteadyMotion",
     "SwitchingLoop",
+    "actuated_response",
     "actuator_loop",
     "actuator_loop_transfer",
     "bandwidth",
@@ -100,10 +118,12 @@ __all__ = [
     "lqr_gain",
     "margins",
     "matched_disturbance_bound",
+    "measured_chatter",
     "opened_loop",
     "place",
     "pole_zero_map",
     "predicted_cycles",
+    "predicted_robot_chatter",
     "reaching_phase_plane",
     "reaching_time",
     "relay_cycle",
@@ -111,6 +131,7 @@ __all__ = [
     "relay_locus",
     "relay_locus_plot",
     "return_difference",
+    "robot_chatter_table",
     "root_locus_over_reaching_rate",
     "root_locus_over_surface_gain",
     "sampled_chatter_band",
@@ -124,6 +145,8 @@ __all__ = [
     "step_information",
     "super_twisting_condition",
     "super_twisting_gains",
+    "super_twisting_motion",
+    "super_twisting_phase_plane",
     "super_twisting_slope_bound",
     "surface_from_cost",
     "surface_from_poles",

@@ -75,7 +75,7 @@ def surface_phase_plane(surface: ArrayLike, limits: ArrayLike = (-1.0, 1.0, -20.
     A = surface_motion(surface).A
     system = control.nlsys(lambda t, x, u, params: A @ x, inputs=0, states=["e[1]", "e[2]"], name="surface_motion")
     titled = {"title": "motion on the surface S = 0"} | options
-    plot = _portrait(system, limits, "surface_phase_plane", titled)
+    plot = portrait(system, limits, "surface_phase_plane", titled)
     plot.axes[0, 0].set(xlabel="e (m)", ylabel="e' (m/s)")
     return plot
 
@@ -171,7 +171,7 @@ def reaching_phase_plane(
         size = P if P > 0.0 else 1.0
         limits = (-2.0 * size * lag, 2.0 * size * lag, -2.0 * size, 2.0 * size)
     titled = {"title": f"reaching law behind a lag of {1e3 * lag:g} ms"} | options
-    plot = _portrait(system, limits, "reaching_phase_plane", titled)
+    plot = portrait(system, limits, "reaching_phase_plane", titled)
     axes = plot.axes[0, 0]
     left, right = axes.get_xlim()
     S = np.linspace(left, right, 801)
@@ -182,11 +182,12 @@ def reaching_phase_plane(
     )
     axes.axis(box)
     axes.set(xlabel="S (m/s²)", ylabel="S' (m/s³)")
-    axes.legend(loc="upper right")
+    axes.legend(loc="upper right", frameon=True, framealpha=0.9)
     return plot
 
 
-def _portrait(system: control.NonlinearIOSystem, limits: ArrayLike, where: str, options: dict[str, Any]) -> Any:
+def portrait(system: control.NonlinearIOSystem, limits: ArrayLike, where: str, options: dict[str, Any]) -> Any:
+    """Phase portrait with the folder's defaults, its origin marked; ParameterError for limits that are no box."""
     box = finite_vector(limits, "limits", where)
     if box.size != 4 or box[0] >= box[1] or box[2] >= box[3]:
         raise ParameterError(

@@ -169,6 +169,7 @@ def linearized_block(
     starts: Values | None = None,
     guards: Mapping[sp.Expr, Parameter | float] | None = None,
     measured: bool = False,
+    actuators: Block | None = None,
 ) -> Diagram:
     """Plant and inner loop: between ``v`` and the outputs it is a set of integrator chains.
 
@@ -187,16 +188,21 @@ def linearized_block(
         Whether ``Zi[k]`` are the derivatives of the true plant's outputs, as sensors show them, instead of those that
         the nominal model computes from its state. Everything is matched then, for disturbances that are differentiable:
         a step of one that enters a measured element makes it jump. The law itself keeps to the nominal model.
+    actuators : Block, optional
+        What stands between the law and the plant, such as :func:`actuator_lags`: inputs ``u_command`` and outputs ``u``
+        for each input ``u`` of the plant. The law doesn't know it; ``Zi[k]`` keep to what it commands.
 
     Returns
     -------
     Diagram
-        Inputs ``v[i]`` and the disturbances; outputs the plant's states, its inputs, ``Zi[k]`` and ``singular``.
+        Inputs ``v[i]`` and the disturbances; outputs the plant's states, its inputs, ``Zi[k]`` and ``singular``, and
+        with actuators ``u_command``.
 
     Raises
     ------
     ModelError
-        If a parameter has no declaration, or the true plant has other states or inputs.
+        If a parameter has no declaration, the true plant has other states or inputs, the actuators are not those of
+        the plant, or chains are to be measured behind actuators.
     LinearizationError
         If what is to be measured contains the rate of a disturbance, or an input.
 
@@ -222,25 +228,54 @@ def linearized_block(
         measured=plant if measured else None,
     )
     states = [one.name for one in body.states]
-    commands = [one.name for one in body.inputs if any(one.name == other.name for other in loop.outputs)]
+    commands = [one for one in body.inputs if any(one.name == other.name for other in loop.outputs)]
+    parts: dict[str, Block] = {"plant": body, "inner_loop": loop}
+    wires = {f"inner_loop.{one}": f"plant.{one}" for one in states}
+    outputs = {one: f"plant.{one}" for one in states} | {one.name: f"inner_loop.{one.name}" for one in loop.outputs}
+    if actuators is None:
+        wires |= {f"plant.{one.name}": f"inner_loop.{one.name}" for one in commands}
+    else:
+        _check_actuators(actuators, commands, name, measured=measured)
+        parts["actuators"] = actuators
+        wires |= {f"actuators.{command(one).name}": f"inner_loop.{one.name}" for one in commands}
+        wires |= {f"plant.{one.name}": f"actuators.{one.name}" for one in commands}
+        outputs |= {one.name: f"actuators.{one.name}" for one in commands}
+        outputs |= {command(one).name: f"inner_loop.{one.name}" for one in commands}
     exported: dict[str, list[str]] = {}
-    starts_first = sorted((*body.parameters, *loop.parameters), key=lambda one: not _is_start(one, (body, loop)))
-    for one in starts_first:
-        exported[one.name] = [f"{block.name}.{one.name}" for block in (body, loop) if one in block.parameters]
+    declarations = [one for block in parts.values() for one in block.parameters]
+    for one in sorted(declarations, key=lambda one: not _is_start(one, parts.values())):
+        having = (key for key, block in parts.items() if any(one.name == other.name for other in block.parameters))
+        exported[one.name] = [f"{key}.{one.name}" for key in having]
     inputs: dict[str, list[str]] = {}
-    for key, own_inputs, wired in (("inner_loop", loop.inputs, states), ("plant", body.inputs, commands)):
-        for name_of_input in (one.name for one in own_inputs if one.name not in wired):
-            inputs.setdefault(name_of_input, []).append(f"{key}.{name_of_input}")
+    for key in ("inner_loop", "plant", *(("actuators",) if actuators else ())):
+        for free in (one.name for one in parts[key].inputs if f"{key}.{one.name}" not in wires):
+            inputs.setdefault(free, []).append(f"{key}.{free}")
     return Diagram(
         name,
         description,
-        components={"plant": body, "inner_loop": loop},
-        connections={f"plant.{one}": f"inner_loop.{one}" for one in commands}
-        | {f"inner_loop.{one}": f"plant.{one}" for one in states},
+        components=parts,
+        connections=wires,
         inputs=inputs,
-        outputs={one: f"plant.{one}" for one in states} | {one.name: f"inner_loop.{one.name}" for one in loop.outputs},
+        outputs=outputs,
         parameters=exported,
     )
+
+
+def _check_actuators(actuators: Block, commands: Sequence[Input], name: str, *, measured: bool) -> None:
+    if not isinstance(actuators, Block):
+        raise ModelError(f"{name}: actuators = {actuators!r} is no block; give actuator_lags(...) or one of your own")
+    for kind, needed in (("inputs", [command(one).name for one in commands]), ("outputs", [c.name for c in commands])):
+        there = [one.name for one in getattr(actuators, kind)]
+        if missing := [one for one in needed if one not in there]:
+            raise ModelError(
+                f"{name}: the actuators {actuators.name} have no {kind[:-1]} {', '.join(missing)}; a command is "
+                "an input u_command, what acts an output u, for each input u of the plant"
+            )
+    if measured:
+        raise ModelError(
+            f"{name}: chains measured behind actuators would contain what the compensator only commands; give either "
+            "measured=True or actuators"
+        )
 
 
 def _chain_outputs(
@@ -300,12 +335,19 @@ def _start_parameters(
     for name in values:
         if name not in names:
             raise ModelError(f"starts: there is {unknown_name('state', name, names)}")
-    return {one: _start_parameter(known[one], values.get(str(one), 0.0)) for one in states}
+    return {one: start_parameter(known[one], values.get(str(one), 0.0)) for one in states}
 
 
-def _start_parameter(one: Variable, value: float) -> Parameter:
+def start_parameter(one: Variable, value: float = 0.0) -> Parameter:
+    """Fixed parameter that is the start value of a state."""
     stem, bracket, indices = one.name.partition("[")
     return Parameter(f"{stem}_start{bracket}{indices}", one.unit, f"start value of {one.name}", value)
+
+
+def command(one: Variable) -> Variable:
+    """What is commanded of an actuator, where that is not what acts: ``u_command[1]`` for ``u[1]``."""
+    stem, bracket, indices = one.name.partition("[")
+    return Variable(f"{stem}_command{bracket}{indices}", one.unit, f"{one.description}, as commanded")
 
 
 def _is_start(parameter: Parameter, blocks: Iterable[Block]) -> bool:

@@ -1,5 +1,6 @@
 """The blocks that ship: the robot, outer loops and references for chains, and the closed loop of them."""
 
+from brunovsky.blocks.library.actuators import actuator_lags
 from brunovsky.blocks.library.chains import Chains
 from brunovsky.blocks.library.closed_loop import closed_loop
 from brunovsky.blocks.library.errors import errors
@@ -13,7 +14,7 @@ from brunovsky.blocks.library.outer_loops import (
     super_twisting,
     super_twisting_sampled,
 )
-from brunovsky.blocks.library.references import circle, preview, set_point
+from brunovsky.blocks.library.references import circle, line, preview, set_point
 from brunovsky.blocks.library.relatives import (
     backstepping,
     flat_sliding_mode,
@@ -23,10 +24,11 @@ from brunovsky.blocks.library.relatives import (
     second_order_sliding_mode,
     sliding_sector,
 )
-from brunovsky.blocks.library.robot import linearized_robot, robot, robot_linearization, robot_system
+from brunovsky.blocks.library.robot import linearized_robot, robot, robot_linearization, robot_system, robot_with_lags
 
 __all__ = [
     "Chains",
+    "actuator_lags",
     "backstepping",
     "circle",
     "closed_loop",
@@ -34,6 +36,7 @@ __all__ = [
     "errors",
     "flat_sliding_mode",
     "integral_sliding_mode",
+    "line",
     "linearized_robot",
     "polar_sliding_mode",
     "pole_placement",
@@ -43,6 +46,7 @@ __all__ = [
     "robot",
     "robot_linearization",
     "robot_system",
+    "robot_with_lags",
     "second_order_sliding_mode",
     "set_point",
     "sliding_mode",

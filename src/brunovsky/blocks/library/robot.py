@@ -10,9 +10,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import sympy as sp
+from numpy.typing import ArrayLike
 
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
+from brunovsky.blocks.library.actuators import actuator_lags
 from brunovsky.blocks.linearized import linearized_block, plant_block
 from brunovsky.blocks.variables import Parameter, Variable, symbols
 from brunovsky.linearization import AffineSystem, Linearization, linearize
@@ -93,4 +95,48 @@ def linearized_robot(*, measured: bool = False) -> Diagram:
         starts=_STARTS,
         guards={_VARIABLES[3].symbol: _ETA_MIN},
         measured=measured,
+    )
+
+
+def robot_with_lags(lags: ArrayLike = 0.005, *, number: int = 1) -> Diagram:
+    """Linearised robot whose actuators lag: between the inner loop's u and the robot's stand first-order lags.
+
+    The inner loop is that of :func:`linearized_robot` and knows nothing of the lags: its compensator's state is the
+    commanded forward acceleration, and ``Zi[3]`` is the acceleration in the plane that the commands would give.
+
+    Parameters
+    ----------
+    lags : float, or sequence of float, shape (2,)
+        Defaults of the time constants ``lag[1]`` (forward) and ``lag[2]`` (yaw), in s; an actuator whose lag is 0 has
+        none.
+    number : int
+        How many equal lags each actuator has, in series.
+
+    Returns
+    -------
+    Diagram
+        Inputs and outputs of :func:`linearized_robot`, of which ``u[1..2]`` are what acts, and ``u_command[1..2]``;
+        its parameters, ``lag[i]``, and ``u_start[2]``. For :func:`closed_loop` as its ``plant``.
+
+    Raises
+    ------
+    ModelError
+        If `number` is not positive, or `lags` are neither one nor two.
+    ParameterError
+        If a lag is negative or not finite.
+
+    References
+    ----------
+    See :func:`actuator_lags`; the loop at these places: :func:`brunovsky.analysis.actuator_loop`.
+    """
+    return linearized_block(
+        robot_linearization(),
+        "robot_with_lags",
+        plant=robot_system(),
+        description="wheeled mobile robot with its linearising inner loop and actuators that lag",
+        labels=_LABELS,
+        parameters=_RHO,
+        starts=_STARTS,
+        guards={_VARIABLES[3].symbol: _ETA_MIN},
+        actuators=actuator_lags(_VARIABLES[5:7], lags, number=number),
     )
