@@ -1,25 +1,26 @@
 """Linear and sliding-mode analysis of the Brunovsky chains, in python-control's own objects.
 
-`integrator_chains` holds the plants, `design` and `optimal` gains and surfaces; `robustness`, `disk_margin`,
-`set_point` and `root_locus` look at the linear loop, `sliding`, `reaching`, `boundary_layer` and `phase_plane` at the
-switching law; all of these work on gains and surfaces alone, for chains of any order. `actuator_loop` cuts the robot's
-loop at its actuators, `input_sensitivity` says what v costs at u for any plant.
+`linear` holds the chains as plants, gains and surfaces for them, and what is known of the linear loop: margins,
+sensitivities, responses, root loci. `sliding` looks at the switching law: bounds, reaching, boundary layer, sampling,
+super-twisting, phase portraits. Both work on gains and surfaces alone, for chains of any order.
 
-A `SwitchingLoop` is a chain under the switching law behind an actuator with lags, delay or sampling. Its chatter is
-predicted by describing function (`limit_cycles`) and exactly (`relay_locus`, `sampled_relay`), and measured
-(`simulated_cycle`, `basin`); `chatter` sets the three side by side. `robot_chatter` does it for the robot, whose
-actuators lag behind the inner loop; `measured_chatter` measures it in any record. `sampled` and `twisting` say for
-which periods and gains the sampled laws and super-twisting work.
-
-`system` hands a whole block to python-control.
+`chatter` predicts what a `SwitchingLoop`, a chain behind an actuator with lags, delay or sampling, does: by describing
+function and exactly, beside a measurement. `robot` cuts the robot's loop at its actuators and predicts its chatter
+with lags there. `input_sensitivity` says what v costs at u for any plant; `system` hands a whole block to
+python-control.
 """
 
-from brunovsky.analysis.actuator_loop import actuator_loop, actuator_loop_transfer, return_difference
-from brunovsky.analysis.basin import basin_edge, cycle_state
-from brunovsky.analysis.boundary_layer import boundary_layer_plot, boundary_layer_trade_off
-from brunovsky.analysis.chatter import ChatterRow, chatter_table
-from brunovsky.analysis.chatter_figures import describing_function_plot, relay_locus_plot
-from brunovsky.analysis.design import (
+from brunovsky.analysis.chatter.basin import basin_edge, cycle_state
+from brunovsky.analysis.chatter.figures import describing_function_plot, relay_locus_plot
+from brunovsky.analysis.chatter.limit_cycles import LimitCycle, harmonic_balance, predicted_cycles
+from brunovsky.analysis.chatter.measured import MeasuredChatter, measured_chatter
+from brunovsky.analysis.chatter.relay_locus import relay_cycles, relay_locus
+from brunovsky.analysis.chatter.sampled_relay import sampled_chatter_band, sampled_cycles
+from brunovsky.analysis.chatter.simulated_cycle import SimulatedResponse, simulated_cycle
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter.table import ChatterRow, chatter_table
+from brunovsky.analysis.input_sensitivity import InputSensitivity, input_gain, input_sensitivity, input_sensitivity_plot
+from brunovsky.analysis.linear.design import (
     boundary_layer_gain,
     closed_loop_poles,
     place,
@@ -27,32 +28,16 @@ from brunovsky.analysis.design import (
     surface_from_poles,
     surface_poles,
 )
-from brunovsky.analysis.disk_margin import DiskMargin, disk_margin
-from brunovsky.analysis.input_sensitivity import InputSensitivity, input_gain, input_sensitivity, input_sensitivity_plot
-from brunovsky.analysis.integrator_chains import chain, chains, error_dynamics
-from brunovsky.analysis.limit_cycles import LimitCycle, harmonic_balance, predicted_cycles
-from brunovsky.analysis.measured_chatter import MeasuredChatter, measured_chatter
-from brunovsky.analysis.opened_loop import OpenedLoop, opened_loop
-from brunovsky.analysis.optimal import lqr_gain, surface_from_cost
-from brunovsky.analysis.phase_plane import (
-    lagged_reaching,
-    reaching_phase_plane,
-    surface_motion,
-    surface_phase_plane,
+from brunovsky.analysis.linear.disk_margin import DiskMargin, disk_margin
+from brunovsky.analysis.linear.integrator_chains import chain, chains, error_dynamics
+from brunovsky.analysis.linear.optimal import lqr_gain, surface_from_cost
+from brunovsky.analysis.linear.robustness import Margins, lag_margin, loop_margins, loop_transfer, margins
+from brunovsky.analysis.linear.root_locus import (
+    pole_zero_map,
+    root_locus_over_reaching_rate,
+    root_locus_over_surface_gain,
 )
-from brunovsky.analysis.reaching import RelayCycle, reaching_time, relay_cycle
-from brunovsky.analysis.relay_locus import relay_cycles, relay_locus
-from brunovsky.analysis.robot_chatter import (
-    RobotChatter,
-    actuated_response,
-    predicted_robot_chatter,
-)
-from brunovsky.analysis.robot_chatter_table import RobotChatterRow, robot_chatter_table
-from brunovsky.analysis.robustness import Margins, lag_margin, loop_margins, loop_transfer, margins
-from brunovsky.analysis.root_locus import pole_zero_map, root_locus_over_reaching_rate, root_locus_over_surface_gain
-from brunovsky.analysis.sampled import largest_sampling_period, sampled_sliding_poles
-from brunovsky.analysis.sampled_relay import sampled_chatter_band, sampled_cycles
-from brunovsky.analysis.set_point import (
+from brunovsky.analysis.linear.set_point import (
     bandwidth,
     complementary_sensitivity,
     gang_of_four,
@@ -60,18 +45,37 @@ from brunovsky.analysis.set_point import (
     set_point_transfer,
     step_information,
 )
-from brunovsky.analysis.simulated_cycle import SimulatedResponse, simulated_cycle
-from brunovsky.analysis.sliding import (
+from brunovsky.analysis.robot.actuator_loop import actuator_loop, actuator_loop_transfer, return_difference
+from brunovsky.analysis.robot.chatter import (
+    RobotChatter,
+    actuated_response,
+    predicted_robot_chatter,
+)
+from brunovsky.analysis.robot.chatter_table import RobotChatterRow, robot_chatter_table
+from brunovsky.analysis.robot.opened_loop import OpenedLoop, opened_loop
+from brunovsky.analysis.robot.steady_motion import SteadyMotion, steady_motion
+from brunovsky.analysis.sliding.boundary_layer import boundary_layer_plot, boundary_layer_trade_off
+from brunovsky.analysis.sliding.bounds import (
     forward_disturbance_bound,
     matched_disturbance_bound,
     unmatched_residual,
     yaw_disturbance_bound,
 )
-from brunovsky.analysis.steady_motion import SteadyMotion, steady_motion
-from brunovsky.analysis.super_twisting_plane import super_twisting_motion, super_twisting_phase_plane
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.sliding.phase_plane import (
+    lagged_reaching,
+    reaching_phase_plane,
+    surface_motion,
+    surface_phase_plane,
+)
+from brunovsky.analysis.sliding.reaching import RelayCycle, reaching_time, relay_cycle
+from brunovsky.analysis.sliding.sampled import largest_sampling_period, sampled_sliding_poles
+from brunovsky.analysis.sliding.super_twisting_plane import super_twisting_motion, super_twisting_phase_plane
+from brunovsky.analysis.sliding.twisting import (
+    super_twisting_condition,
+    super_twisting_gains,
+    super_twisting_slope_bound,
+)
 from brunovsky.analysis.system import to_control
-from brunovsky.analysis.twisting import super_twisting_condition, super_twisting_gains, super_twisting_slope_bound
 
 __all__ = [
     "ChatterRow",

@@ -9,9 +9,9 @@ import control
 import matplotlib.pyplot as plt
 import numpy as np
 
-from brunovsky.analysis.limit_cycles import LimitCycle, crossing_level, harmonic_balance, predicted_cycles
-from brunovsky.analysis.relay_locus import relay_cycles, relay_locus
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter.limit_cycles import LimitCycle, crossing_level, harmonic_balance, predicted_cycles
+from brunovsky.analysis.chatter.relay_locus import relay_cycles, relay_locus
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 
 
 def describing_function_plot(loop: SwitchingLoop, ax: Any = None) -> control.ControlPlot:

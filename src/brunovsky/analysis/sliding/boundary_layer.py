@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from brunovsky.analysis._checks import finite_scalar, finite_vector, surface_coefficients
 from brunovsky.analysis._drawing import control_plot, line_style, new_axes
-from brunovsky.analysis.design import boundary_layer_gain
-from brunovsky.analysis.robustness import margins
+from brunovsky.analysis.linear.design import boundary_layer_gain
+from brunovsky.analysis.linear.robustness import margins
 from brunovsky.errors import ParameterError
 
 

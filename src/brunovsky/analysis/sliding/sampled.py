@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from brunovsky.analysis._checks import finite_scalar, surface_coefficients
-from brunovsky.analysis.design import surface_poles
+from brunovsky.analysis.linear.design import surface_poles
 from brunovsky.blocks.library.outer_loops.surface_map import SurfaceMap, mean_rates
 from brunovsky.errors import ParameterError
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from brunovsky.analysis._checks import finite_vector, stable_gain
-from brunovsky.analysis.robustness import loop_transfer
+from brunovsky.analysis.linear.robustness import loop_transfer
 
 
 def sensitivity(gain: ArrayLike) -> control.TransferFunction:

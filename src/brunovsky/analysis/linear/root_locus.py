@@ -14,7 +14,7 @@ from control.pzmap import PoleZeroData
 from numpy.typing import ArrayLike, NDArray
 
 from brunovsky.analysis._checks import finite_scalar, finite_vector, surface_coefficients
-from brunovsky.analysis.set_point import complementary_sensitivity
+from brunovsky.analysis.linear.set_point import complementary_sensitivity
 from brunovsky.errors import ParameterError
 
 

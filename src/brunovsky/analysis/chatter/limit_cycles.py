@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 from brunovsky.errors import ParameterError
 
 _AMPLITUDES = 60  # along -1/N(a) where it is curved in the amplitude

@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
 
 from brunovsky.analysis._checks import finite_scalar, finite_vector
-from brunovsky.analysis.sampled_relay import held_input
-from brunovsky.analysis.simulated_cycle import simulated_cycle
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter.sampled_relay import held_input
+from brunovsky.analysis.chatter.simulated_cycle import simulated_cycle
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 from brunovsky.errors import ParameterError
 
 _DOUBLINGS = 60

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from brunovsky.analysis import SwitchingLoop, measured_chatter, simulated_cycle
-from brunovsky.analysis.switched_response import trajectory
+from brunovsky.analysis.chatter.switched_response import trajectory
 from brunovsky.errors import ParameterError
 
 

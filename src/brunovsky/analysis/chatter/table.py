@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from brunovsky.analysis.limit_cycles import LimitCycle, predicted_cycles, require_switching
-from brunovsky.analysis.relay_locus import relay_cycles
-from brunovsky.analysis.simulated_cycle import simulated_cycle
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter.limit_cycles import LimitCycle, predicted_cycles, require_switching
+from brunovsky.analysis.chatter.relay_locus import relay_cycles
+from brunovsky.analysis.chatter.simulated_cycle import simulated_cycle
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 
 
 @dataclass(frozen=True)

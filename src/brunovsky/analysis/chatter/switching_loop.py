@@ -15,10 +15,10 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from brunovsky.analysis._argument import argument_change
 from brunovsky.analysis._checks import finite_scalar, finite_vector, surface_coefficients
-from brunovsky.analysis.design import sliding_gain, surface_poles
-from brunovsky.analysis.integrator_chains import chain
+from brunovsky.analysis.chatter._argument import argument_change
+from brunovsky.analysis.linear.design import sliding_gain, surface_poles
+from brunovsky.analysis.linear.integrator_chains import chain
 from brunovsky.errors import ParameterError
 
 _WHERE = "SwitchingLoop"

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from brunovsky.analysis.sampled_relay import held_input, sampled_model
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter.sampled_relay import held_input, sampled_model
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 
 Array = NDArray[np.float64]
 Piece = tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from brunovsky.analysis._checks import finite_vector
-from brunovsky.analysis.limit_cycles import LimitCycle, peak
-from brunovsky.analysis.switched_response import Piece, trajectory
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter.limit_cycles import LimitCycle, peak
+from brunovsky.analysis.chatter.switched_response import Piece, trajectory
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 from brunovsky.errors import ParameterError
 
 Array = NDArray[np.float64]

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from brunovsky.analysis._argument import argument_change
 from brunovsky.analysis._checks import finite_vector
-from brunovsky.analysis.limit_cycles import LimitCycle, crossing_level, peak, require_switching
-from brunovsky.analysis.sampled_relay import sampled_cycles
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter._argument import argument_change
+from brunovsky.analysis.chatter.limit_cycles import LimitCycle, crossing_level, peak, require_switching
+from brunovsky.analysis.chatter.sampled_relay import sampled_cycles
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 from brunovsky.errors import ParameterError
 
 _COARSE, _FINE = 32, 2048  # odd harmonics to find a crossing, and to compute it

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from brunovsky.analysis._checks import finite_scalar, stable_loop
-from brunovsky.analysis._frequencies import frequencies
+from brunovsky.analysis.linear._frequencies import frequencies
 from brunovsky.errors import ParameterError
 
 _BEYOND = 1e3  # how far beyond the slowest and the fastest closed-loop pole to look

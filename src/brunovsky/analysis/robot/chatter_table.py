@@ -10,18 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from brunovsky.analysis._checks import finite_scalar, finite_vector
-from brunovsky.analysis.design import surface_poles
-from brunovsky.analysis.limit_cycles import LimitCycle
-from brunovsky.analysis.measured_chatter import MeasuredChatter, measured_chatter
-from brunovsky.analysis.relay_locus import relay_cycles
-from brunovsky.analysis.robot_chatter import (
+from brunovsky.analysis.chatter.limit_cycles import LimitCycle
+from brunovsky.analysis.chatter.measured import MeasuredChatter, measured_chatter
+from brunovsky.analysis.chatter.relay_locus import relay_cycles
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
+from brunovsky.analysis.linear.design import surface_poles
+from brunovsky.analysis.robot.chatter import (
     SPEED,
     RobotChatter,
     predicted_robot_chatter,
     require_lags,
     require_sign,
 )
-from brunovsky.analysis.switching_loop import SwitchingLoop
 from brunovsky.blocks import Block, closed_loop, line, robot_with_lags, sliding_mode
 from brunovsky.errors import ParameterError
 from brunovsky.native import simulate

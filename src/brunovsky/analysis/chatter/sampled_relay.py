@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from brunovsky.analysis._checks import finite_scalar
-from brunovsky.analysis.limit_cycles import LimitCycle, predicted_cycles, require_switching
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter.limit_cycles import LimitCycle, predicted_cycles, require_switching
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 from brunovsky.errors import ParameterError
 
 Array = NDArray[np.float64]

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from brunovsky.analysis._checks import finite_scalar, finite_vector
 from brunovsky.analysis._drawing import COLORS
-from brunovsky.analysis.phase_plane import portrait
+from brunovsky.analysis.sliding.phase_plane import portrait
 from brunovsky.blocks import Chains, super_twisting, symbol, symbols
 from brunovsky.blocks.library.outer_loops.twisting_gains import WELL_ESTABLISHED
 from brunovsky.errors import ParameterError

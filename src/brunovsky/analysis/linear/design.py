@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from brunovsky.analysis._checks import conjugate_poles, finite_scalar, finite_vector, surface_coefficients
-from brunovsky.analysis.integrator_chains import chain, error_dynamics
+from brunovsky.analysis.linear.integrator_chains import chain, error_dynamics
 
 
 def place(poles: ArrayLike) -> NDArray[np.float64]:

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from brunovsky.analysis._checks import finite_scalar, finite_vector
-from brunovsky.analysis.limit_cycles import require_switching
-from brunovsky.analysis.switching_loop import SwitchingLoop
+from brunovsky.analysis.chatter.limit_cycles import require_switching
+from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 from brunovsky.analysis.system import to_control
 from brunovsky.blocks import robot_with_lags
 from brunovsky.blocks.library.chains import ROBOT_CHAINS

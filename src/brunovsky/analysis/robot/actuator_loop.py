@@ -15,8 +15,8 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from brunovsky.analysis.opened_loop import opened_loop
-from brunovsky.analysis.steady_motion import SteadyMotion
+from brunovsky.analysis.robot.opened_loop import opened_loop
+from brunovsky.analysis.robot.steady_motion import SteadyMotion
 from brunovsky.blocks.library.chains import ROBOT_CHAINS
 from brunovsky.errors import ParameterError
 

@@ -13,7 +13,7 @@ from brunovsky.analysis import (
     simulated_cycle,
     sliding_gain,
 )
-from brunovsky.analysis.switched_response import trajectory
+from brunovsky.analysis.chatter.switched_response import trajectory
 from brunovsky.errors import ParameterError
 
 C, Q, P = (500.0, 10.0, 1.0), 5.0, 2.5

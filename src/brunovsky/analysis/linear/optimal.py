@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from brunovsky.analysis._checks import finite_scalar, surface_coefficients
-from brunovsky.analysis.integrator_chains import chain
+from brunovsky.analysis.linear.integrator_chains import chain
 from brunovsky.errors import ParameterError
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from brunovsky.analysis import SwitchingLoop, relay_cycles, sampled_chatter_band, sampled_cycles, simulated_cycle
-from brunovsky.analysis.sampled_relay import sampled_model
+from brunovsky.analysis.chatter.sampled_relay import sampled_model
 from brunovsky.errors import ParameterError
 
 C, Q, P = (500.0, 10.0, 1.0), 5.0, 2.5

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from brunovsky.analysis._checks import finite_vector, stable_gain, stable_loop
-from brunovsky.analysis._frequencies import frequencies as frequencies_of
+from brunovsky.analysis.linear._frequencies import frequencies as frequencies_of
 from brunovsky.errors import ParameterError
 
 

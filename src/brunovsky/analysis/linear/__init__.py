@@ -1,0 +1,1 @@
+"""The linear loop of a chain: plants, gains and surfaces, margins, responses."""
