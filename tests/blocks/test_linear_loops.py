@@ -125,7 +125,7 @@ def test_on_the_robot_the_observer_sees_the_yaw_disturbance() -> None:
     ("make", "error", "message"),
     [
         (lambda: B.pole_placement(integral=True), ModelError, "one pole more"),
-        (lambda: B.pole_placement(gains=[1, 2, 3], integral=True), ModelError, "lengths 2, 2 for chains"),
+        (lambda: B.pole_placement(gains=[1, 2, 3], integral=True), ModelError, "K_I first"),
         (lambda: B.pole_placement(gains=[[1, 2, 3, 4], 2], integral=True), ModelError, "no vector"),
         (lambda: B.pole_placement(gains=[], integral=True), ModelError, "no vector"),
         (lambda: B.disturbance_observer(bandwidth=0.0), ParameterError, "observes nothing; set it > 0"),
@@ -136,3 +136,46 @@ def test_on_the_robot_the_observer_sees_the_yaw_disturbance() -> None:
 def test_what_cannot_work_is_refused(make: object, error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=message):
         make()  # type: ignore[operator]
+
+
+def test_an_unstable_linear_loop_is_warned_of_and_no_other_law_stands_on_it():
+    with pytest.warns(UserWarning, match="poles .* not all in the open left half plane"):
+        B.pole_placement(gains=[2500, -550, 15])
+    with pytest.warns(UserWarning, match="poles"):
+        B.pole_placement(gains=[-1.0, 24.0, 26.0, 9.0], integral=True)
+    for law in (B.disturbance_observer, B.integral_sliding_mode):
+        with pytest.raises(ParameterError, match="poles"):
+            law(gains=[-1, 0, 0])
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: B.pole_placement(gains=5),
+        lambda: B.pole_placement(gains=["a", "b", "c"]),
+        lambda: B.sliding_mode(surface=[500, [10], 1]),
+        lambda: B.sliding_mode(surface=[500, 10, 1j]),
+        lambda: B.sliding_mode(Q="a"),
+        lambda: B.sliding_mode(P=None),
+        lambda: B.set_point(B.Chains(), [1.0]),
+        lambda: B.set_point(B.Chains(), [1.0, 2.0, 3.0]),
+        lambda: B.Chains((True,), ("m",)),
+    ],
+)
+def test_what_are_no_numbers_for_the_chains_is_refused(make):
+    with pytest.raises(ModelError):
+        make()
+
+
+def test_numpy_numbers_are_numbers():
+    assert B.Chains((np.int64(3),), ("m",)).orders == (3,)
+    assert [one.value for one in B.set_point(B.Chains(), np.array([1.0, 2.0])).parameters] == [1.0, 2.0]
+    sampled = B.sliding_mode_sampled(period=np.float32(0.01))
+    assert next(one.value for one in sampled.parameters if one.name == "sampling_period") == pytest.approx(0.01)
+
+
+def test_a_negative_rate_is_refused_and_a_relay_that_would_rest_too():
+    with pytest.raises(ParameterError, match="Q = -5"):
+        B.sliding_mode(Q=-5)
+    with pytest.raises(ParameterError, match="comes to rest within the hysteresis"):
+        B.sliding_mode_relay(hysteresis=1.0)

@@ -72,7 +72,6 @@ from brunovsky.analysis.sliding.sampled import largest_sampling_period, sampled_
 from brunovsky.analysis.sliding.super_twisting_plane import super_twisting_motion, super_twisting_phase_plane
 from brunovsky.analysis.sliding.twisting import (
     super_twisting_condition,
-    super_twisting_gains,
     super_twisting_slope_bound,
 )
 from brunovsky.analysis.system import to_control
@@ -148,7 +147,6 @@ __all__ = [
     "steady_motion",
     "step_information",
     "super_twisting_condition",
-    "super_twisting_gains",
     "super_twisting_motion",
     "super_twisting_phase_plane",
     "super_twisting_slope_bound",

@@ -173,3 +173,14 @@ def test_bad_number_of_lags_is_refused(lags):
 def test_no_loop_is_refused():
     with pytest.raises(ParameterError, match="zero"):
         analysis.loop_transfer([0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("numerator", "denominator", "modulus", "gain_upper"),
+    [([-0.9], [1, 1], 0.1, 10 / 9), ([-0.9, 1], [1, 1], 0.1, 10 / 9), ([0.5, -0.5], [1, 1], 0.5, 2.0)],
+)
+def test_the_nearest_point_may_lie_at_the_ends(numerator, denominator, modulus, gain_upper):
+    """abs(1 + L) is least at w = 0 or for w to infinity, where a search between finds nothing."""
+    found = analysis.loop_margins(control.tf(numerator, denominator))
+    assert found.modulus == pytest.approx(modulus) and found.max_sensitivity == pytest.approx(1 / modulus)
+    assert found.gain_upper == pytest.approx(gain_upper)

@@ -88,19 +88,17 @@ def test_short_periods_give_the_continuous_poles():
 
 
 def test_gains_of_super_twisting():
-    gains = analysis.super_twisting_gains(4.0)
-    assert gains == pytest.approx([3.0, 4.4])
-    assert analysis.super_twisting_slope_bound(gains) == pytest.approx(4.4)
-    assert analysis.super_twisting_slope_bound([2.0, 3.0]) == pytest.approx(1.0)
-    assert analysis.super_twisting_slope_bound([1.0, 3.0]) == 0.0
+    assert analysis.super_twisting_slope_bound(4.0) == pytest.approx(4.4)
+    assert analysis.super_twisting_slope_bound(1.0, [2.0, 3.0]) == pytest.approx(1.0)
+    assert analysis.super_twisting_slope_bound(9.0, [1.0, 3.0]) == 0.0
 
 
 @given(st.floats(1e-3, 1e3))
 def test_levant_s_gains_satisfy_the_condition_of_seeber_and_horn(slope):
-    k1, k2 = gains = analysis.super_twisting_gains(slope)
-    assert k2 > slope and k1 > np.sqrt(k2 + slope)
-    assert analysis.super_twisting_condition(gains, slope)
-    assert not analysis.super_twisting_condition(gains, 1.2 * slope)
+    K1, K2 = 1.5 * np.sqrt(slope), 1.1 * slope
+    assert slope < K2 and np.sqrt(K2 + slope) < K1
+    assert analysis.super_twisting_condition(slope, slope)
+    assert not analysis.super_twisting_condition(1.2 * slope, slope)
 
 
 @pytest.mark.parametrize(
@@ -112,10 +110,11 @@ def test_levant_s_gains_satisfy_the_condition_of_seeber_and_horn(slope):
         (lambda: analysis.sampled_sliding_poles([-2.0, 1.0], 1.0, surface_map="exact"), "v does not move S"),
         (lambda: analysis.largest_sampling_period([500.0, -10.0, 1.0]), "not stable at any period"),
         (lambda: analysis.largest_sampling_period(C, reaching_rate=0.0), "Q > 0"),
-        (lambda: analysis.super_twisting_gains(0.0), "slope > 0"),
-        (lambda: analysis.super_twisting_slope_bound([1.5]), "at least 2"),
-        (lambda: analysis.super_twisting_slope_bound([1.5, -1.0]), "two positive gains"),
-        (lambda: analysis.super_twisting_condition([1.5, 1.1], -1.0), "slope >= 0"),
+        (lambda: analysis.largest_sampling_period(C, surface_map="Euler"), "pass 'euler' or 'exact'"),
+        (lambda: analysis.super_twisting_slope_bound(0.0), "L > 0"),
+        (lambda: analysis.super_twisting_slope_bound(1.0, [1.5]), "at least 2"),
+        (lambda: analysis.super_twisting_slope_bound(1.0, [1.5, -1.0]), "two positive gains"),
+        (lambda: analysis.super_twisting_condition(-1.0, 1.0), "slope >= 0"),
     ],
 )
 def test_bad_input_is_refused(call, message):

@@ -70,8 +70,9 @@ def relay_locus(loop: SwitchingLoop, frequency: ArrayLike, harmonics: int = _FIN
 def relay_cycles(loop: SwitchingLoop) -> tuple[LimitCycle, ...]:
     """Exact symmetric limit cycles of a relay that switches twice a period, with the stability of each.
 
-    A continuous law: crossings of `relay_locus`, kept where S in between stays on its side of the relay; amplitude and
-    fundamental come from the whole waveform. Perturbed switching instants dt obey a difference equation whose
+    A continuous law: crossings of `relay_locus` over the frequencies that the loop's time constants reach (a pure delay
+    has ever faster ones beyond, which are left out), kept where S in between stays on its side of the relay; amplitude
+    and fundamental come from the whole waveform. Perturbed switching instants dt obey a difference equation whose
     characteristic function is 1 + (2/abs(dS/dt)) sum over m of (-1)^m w(m h) z^-m, with w the impulse response of W;
     its zeros outside the unit circle are counted by the argument principle. A sampled law: see `sampled_cycles`.
 

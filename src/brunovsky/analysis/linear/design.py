@@ -199,7 +199,9 @@ def surface_from_poles(poles: ArrayLike, *, leading: float = 1.0) -> NDArray[np.
     The paper's eq. (20), read backwards; see also `surface_poles`.
     """
     where = "surface_from_poles"
-    wanted = conjugate_poles(poles, where)
     scale = finite_scalar(leading, "leading", where)
+    if np.size(poles) == 0:  # a chain of one integrator has no motion on its surface
+        return surface_coefficients([scale], where)
+    wanted = conjugate_poles(poles, where)
     monic = np.real(np.poly(wanted))[::-1]
     return surface_coefficients(scale * monic, where)

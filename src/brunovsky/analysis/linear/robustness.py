@@ -144,21 +144,29 @@ def loop_margins(loop: control.TransferFunction) -> Margins:
     gains, phases, distances, _, crossovers, nearest = control.stability_margins(loop, returnall=True)
     angles = np.deg2rad(phases)
     smallest = int(np.argmin(np.abs(angles))) if len(angles) else -1
-    closest = int(np.argmin(distances)) if len(distances) else -1
-    reached = closest >= 0 and distances[closest] < 1.0  # L is strictly proper: abs(1 + L) tends to 1 at high frequency
-    modulus = float(distances[closest]) if reached else 1.0
+    ends = [(abs(1.0 + value), w) for value, w in zip(_ends(loop), (0.0, float("inf")), strict=True)]
+    modulus, modulus_frequency = min([*zip(distances, nearest, strict=True), *ends])
+    gains = np.append(gains, [-1.0 / value for value in _ends(loop) if np.isfinite(value) and value < 0.0])
     return Margins(
         gain_lower=float(np.max(gains[gains < 1.0], initial=0.0)),
         gain_upper=float(np.min(gains[gains > 1.0], initial=np.inf)),
         phase=float(angles[smallest]) if len(angles) else float("inf"),
         gain_crossover=float(crossovers[smallest]) if len(angles) else float("nan"),
-        modulus=modulus,
-        max_sensitivity=1.0 / modulus,
-        modulus_frequency=float(nearest[closest]) if reached else float("inf"),
+        modulus=float(modulus),
+        max_sensitivity=float(1.0 / modulus),
+        modulus_frequency=float(modulus_frequency),
         delay=float(np.min(np.mod(angles, 2.0 * np.pi) / crossovers, initial=np.inf)),
         lag=_lag_margin(loop, 1),
         two_lags=_lag_margin(loop, 2),
     )
+
+
+def _ends(loop: control.TransferFunction) -> tuple[float, float]:
+    """L at w = 0 and for w to infinity, infinite where it is not bounded."""
+    system = control.ss(loop)
+    with np.errstate(all="ignore"):
+        static = complex(np.squeeze(system.dcgain()))
+    return (static.real if np.isfinite(static) else float("inf")), float(np.squeeze(system.D))
 
 
 def lag_margin(gain: ArrayLike, lags: int = 1) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from brunovsky.analysis._checks import finite_scalar, surface_coefficients
+from brunovsky.errors import ParameterError
 
 
 def matched_disturbance_bound(surface: ArrayLike, switching_gain: float) -> float:
@@ -84,7 +85,7 @@ def forward_disturbance_bound(surface: ArrayLike, switching_gain: float, yaw_rat
     c2 abs(d1) + c3 abs(d1 eta2) < P on each axis, for a constant d1 and z'' computed from the model. Below the bound
     sliding persists and leaves `unmatched_residual`. The condition is sufficient; with no other disturbance the sharp
     one is hypot(c2, c3 eta2) abs(d1) < P, since h and h_th are in quadrature. Beyond that, sliding is lost at some
-    headings and the error grows.
+    headings; with Q > 0, S then stays near what exceeds P over Q.
 
     Parameters
     ----------
@@ -148,7 +149,13 @@ def unmatched_residual(surface: ArrayLike, disturbance: float, rate: float = 0.0
     ----------
     The paper's eqs. (12) and (20) with d1 added.
     """
-    C = surface_coefficients(surface, "unmatched_residual")
+    C = surface_coefficients(surface, "unmatched_residual", minimum_size=2)
+    poles = np.roots(C[::-1])
+    if np.any(poles.real > 1e-9 * np.max(np.abs(poles), initial=0.0)):
+        raise ParameterError(
+            f"unmatched_residual: motion on C = {C.tolist()} is not stable, so nothing settles there; pass a surface "
+            "with poles in the left half-plane, for instance from surface_from_poles"
+        )
     d1 = finite_scalar(disturbance, "disturbance", "unmatched_residual")
     w = finite_scalar(rate, "rate", "unmatched_residual")
     denominator = abs(np.polyval(C[::-1], 1j * w))

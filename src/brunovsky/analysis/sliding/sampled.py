@@ -54,8 +54,7 @@ def sampled_sliding_poles(
     C = surface_coefficients(surface, where)
     h = finite_scalar(sampling_period, "sampling_period", where, minimum=0.0, strict=True)
     q = 1 / h if reaching_rate is None else finite_scalar(reaching_rate, "Q", where)
-    if surface_map not in get_args(SurfaceMap):
-        raise ParameterError(f"{where}: surface_map = {surface_map!r} is unknown; pass 'euler' or 'exact'")
+    _check_map(surface_map, where)
     if mean_rates(list(C), h, surface_map)[-1] == 0.0:
         raise ParameterError(f"{where}: with C = {C.tolist()} v does not move S in {h:g} s; pass a shorter period")
     return np.sort_complex(1 + h * _rates(C, np.array([h]), np.array([q]), surface_map)[0])
@@ -91,6 +90,7 @@ def largest_sampling_period(
     """
     where = "largest_sampling_period"
     C = surface_coefficients(surface, where)
+    _check_map(surface_map, where)
     poles = surface_poles(C)
     if np.any(poles.real >= 0):
         raise ParameterError(
@@ -130,3 +130,8 @@ def _rates(
     for k in range(1, n + 1):
         moved += np.multiply.outer(h ** (k - 1) / factorial(k), np.eye(n, n + 1, k))
     return np.asarray(np.linalg.eigvals(moved[:, :, :-1] - moved[:, :, -1:] * K[:, np.newaxis]), dtype=np.complex128)
+
+
+def _check_map(surface_map: str, where: str) -> None:
+    if surface_map not in get_args(SurfaceMap):
+        raise ParameterError(f"{where}: surface_map = {surface_map!r} is unknown; pass 'euler' or 'exact'")

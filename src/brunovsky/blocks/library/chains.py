@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import sympy as sp
 
 from brunovsky.blocks.block import Block
@@ -41,9 +42,10 @@ class Chains:
 
     def __post_init__(self) -> None:
         """Check lengths and units."""
-        object.__setattr__(self, "orders", tuple(self.orders))
+        orders = (int(one) if isinstance(one, np.integer) else one for one in self.orders)
+        object.__setattr__(self, "orders", tuple(orders))
         object.__setattr__(self, "units", tuple(self.units))
-        if not self.orders or any(not isinstance(one, int) or one < 1 for one in self.orders):
+        if not self.orders or any(not isinstance(one, int) or isinstance(one, bool) or one < 1 for one in self.orders):
             raise ModelError(f"chains of the lengths {self.orders}: give a positive whole number for each chain")
         if len(self.units) != len(self.orders):
             raise ModelError(f"{len(self.units)} unit(s) for {len(self.orders)} chain(s); give one for each")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -37,6 +38,23 @@ class Gains:
         return tuple(one.symbol for one in self.rows[chain - 1])
 
 
+def numbers(name: str, values: Any) -> list[float]:
+    """Flat list of finite real numbers.
+
+    Raises
+    ------
+    ModelError
+        If it is none; ``name`` says of what.
+    """
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        array = np.array(np.nan)
+    if array.ndim != 1 or not np.all(np.isfinite(array)):
+        raise ModelError(f"{name}: {values!r} is no flat list of finite real numbers; give one number for each element")
+    return [float(one) for one in array]
+
+
 def vector_gains(
     chains: Chains, name: str, values: Sequence[ArrayLike], unit_order: Callable[[int, int], int], description: str
 ) -> Gains:
@@ -60,9 +78,9 @@ def vector_gains(
     ModelError
         If the numbers do not fit the chains.
     """
-    array = [np.asarray(row, dtype=float) for row in values]
-    shared = all(one.ndim == 0 for one in array)
-    rows = [list(map(float, array))] * len(chains.orders) if shared else [one.tolist() for one in array]
+    given = list(values) if isinstance(values, Sequence | np.ndarray) and not isinstance(values, str) else [values]
+    shared = all(np.ndim(one) == 0 for one in given)
+    rows = [numbers(name, given)] * len(chains.orders) if shared else [numbers(name, row) for row in given]
     if shared and not chains.are_alike:
         raise ModelError(f"{name}: the chains are not alike and can't share one vector; give one for each of them")
     if [len(row) for row in rows] != list(chains.orders):
@@ -111,13 +129,10 @@ def scalar_gains(
     ModelError
         If the numbers do not fit the chains.
     """
-    array = np.asarray(values, dtype=float)
-    single = array.ndim == 0
-    numbers = np.broadcast_to(array, len(chains.orders)).tolist() if single else array.tolist()
-    if len(numbers) != len(chains.orders):
-        raise ModelError(
-            f"{name}: {len(numbers)} value(s) for {len(chains.orders)} chain(s); give one, or one for each"
-        )
+    single = np.ndim(values) == 0
+    row = numbers(name, [values] * len(chains.orders) if single else values)
+    if len(row) != len(chains.orders):
+        raise ModelError(f"{name}: {len(row)} value(s) for {len(chains.orders)} chain(s); give one, or one for each")
     shared = single and chains.are_alike
     return Gains(
         tuple(
@@ -131,6 +146,6 @@ def scalar_gains(
                     tunable=True,
                 ),
             )
-            for i, value in enumerate(numbers, 1)
+            for i, value in enumerate(row, 1)
         )
     )

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import ROBOT_CHAINS, Chains
 from brunovsky.blocks.library.gains import scalar_gains
-from brunovsky.blocks.library.outer_loops.linear import linear_gains, linear_law
+from brunovsky.blocks.library.outer_loops.linear import linear_gains, linear_law, refuse_unstable
 from brunovsky.blocks.library.outer_loops.nominal import STARTED, deviations, nominal_states, start_transition
 from brunovsky.blocks.library.outer_loops.switching import with_sound_defaults
 from brunovsky.blocks.variables import Check, Output
@@ -60,6 +60,7 @@ def disturbance_observer(
     """
     chains = Chains.of(chains)
     gain = linear_gains(chains, gains, "disturbance_observer")
+    refuse_unstable(gain, "disturbance_observer")
     observer = scalar_gains(chains, "bandwidth", bandwidth, lambda i: "1/s", "bandwidth of the observer", 0.0)
     nominal = linear_law(chains, gain)
     estimates = {i: observer[i][0] * one for i, one in deviations(chains).items()}

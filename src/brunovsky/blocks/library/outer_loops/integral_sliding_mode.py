@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import ROBOT_CHAINS, Chains
-from brunovsky.blocks.library.outer_loops.linear import linear_gains, linear_law
+from brunovsky.blocks.library.outer_loops.linear import linear_gains, linear_law, refuse_unstable
 from brunovsky.blocks.library.outer_loops.nominal import STARTED, deviations, nominal_states, start_transition
 from brunovsky.blocks.library.outer_loops.surface import sliding_outputs
 from brunovsky.blocks.library.outer_loops.switching import (
@@ -75,6 +75,7 @@ def integral_sliding_mode(
     """
     chains = Chains.of(chains)
     gain = linear_gains(chains, gains, "integral_sliding_mode")
+    refuse_unstable(gain, "integral_sliding_mode")
     part = Switching.of(chains, switching, P, phi)
     bound = bound_of(chains, disturbance)
     nominal, variables = linear_law(chains, gain), deviations(chains)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import ROBOT_CHAINS, Chains
 from brunovsky.blocks.library.gains import scalar_gains
-from brunovsky.blocks.library.outer_loops.linear import linear_gains, linear_law
+from brunovsky.blocks.library.outer_loops.linear import linear_gains, linear_law, warn_unstable
 from brunovsky.blocks.units import derivative_unit
 from brunovsky.blocks.variables import State
 from brunovsky.errors import ModelError
@@ -50,6 +50,11 @@ def pole_placement(
     ModelError
         If the gains do not fit the chains.
 
+    Warns
+    -----
+    UserWarning
+        If the loop is unstable with these gains.
+
     References
     ----------
     The paper's eq. (19); J. Ackermann, "Der Entwurf linearer Regelungssysteme im Zustandsraum",
@@ -59,6 +64,7 @@ def pole_placement(
     chains = Chains.of(chains)
     if not integral:
         gain = linear_gains(chains, gains, "pole_placement")
+        warn_unstable(gain, "pole_placement")
         return Block(
             "pole_placement",
             "pole placement per chain",
@@ -66,7 +72,7 @@ def pole_placement(
             parameters=gain.parameters,
             outputs=chains.outer_inputs(linear_law(chains, gain)),
         )
-    integral_gains, gains = _parted(gains)
+    integral_gains, gains = _parted(gains, chains)
     gain = linear_gains(chains, gains, "pole_placement")
     extra = scalar_gains(
         chains,
@@ -75,6 +81,7 @@ def pole_placement(
         lambda i: derivative_unit("1", chains.orders[i - 1] + 1),
         "gain of the integral of the error",
     )
+    warn_unstable(gain, "pole_placement", extra)
     states = tuple(
         State(f"integral[{i}]", chains.unit(i, -1), f"integral of the error of chain {i}", chains.error(i)[0])
         for i in chains.numbers
@@ -93,7 +100,7 @@ def pole_placement(
     )
 
 
-def _parted(gains: Sequence[ArrayLike] | None) -> tuple[ArrayLike, Sequence[ArrayLike]]:
+def _parted(gains: Sequence[ArrayLike] | None, chains: Chains) -> tuple[ArrayLike, Sequence[ArrayLike]]:
     """Gains of the integrals and of the errors, from vectors that begin with the former."""
     if gains is None:
         raise ModelError(
@@ -103,6 +110,12 @@ def _parted(gains: Sequence[ArrayLike] | None) -> tuple[ArrayLike, Sequence[Arra
     rows = [np.asarray(row, dtype=float) for row in gains]
     if not rows or any(row.ndim > 1 or row.size == 0 for row in rows) or len({row.ndim for row in rows}) > 1:
         raise ModelError(f"pole_placement: gains {gains!r} are no vector, nor one for each chain")
+    found, needed = [len(rows)] if rows[0].ndim == 0 else [one.size for one in rows], [r + 1 for r in chains.orders]
+    if found != needed and found != needed[:1]:
+        raise ModelError(
+            f"pole_placement: gains of the lengths {found} for chains of the lengths {list(chains.orders)}; with "
+            "integral action give one more than a chain is long, K_I first"
+        )
     if rows[0].ndim == 0:
         return float(rows[0]), [float(one) for one in rows[1:]]
     return [float(row[0]) for row in rows], [row[1:].tolist() for row in rows]

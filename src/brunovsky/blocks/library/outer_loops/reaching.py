@@ -94,4 +94,4 @@ class Reaching:
 
 def exponential_gain(chains: Chains, Q: ArrayLike) -> Gains:
     """Parameters ``Q``, or ``Q[i]``."""
-    return scalar_gains(chains, "Q", Q, lambda i: "1/s", "gain of the exponential part of the reaching law")
+    return scalar_gains(chains, "Q", Q, lambda i: "1/s", "gain of the exponential part of the reaching law", 0.0)

@@ -6,6 +6,7 @@ import dataclasses
 import warnings
 from collections.abc import Mapping
 
+import numpy as np
 import sympy as sp
 
 from brunovsky.blocks.block import Block
@@ -24,7 +25,8 @@ def sampling_period(period: float, law: str) -> Parameter:
     ParameterError
         If it is not a positive number; ``law`` names the block.
     """
-    if not isinstance(period, int | float) or not PERIOD.minimum <= period < float("inf"):
+    number = isinstance(period, int | float | np.number) and not isinstance(period, bool)
+    if not number or not PERIOD.minimum <= period < float("inf"):
         raise ParameterError(
             f"{law}: the sampling period {period!r} s is not a finite number from {PERIOD.minimum:g} s on; give the "
             "time between two samples, or take a law that is not sampled"

@@ -54,7 +54,9 @@ def sliding_mode(
     none), c_r != 0, and P above abs(c_r) times the disturbance at the level of v (``disturbance``), which is checked
     where one is stated. Disturbances below that level, unmatched, leave
     :func:`brunovsky.analysis.unmatched_residual`. The sign function (``"sign"``, or saturation with ``phi = 0``) is
-    sampled once a step in co-simulation and refused in model exchange, where it has no end of events.
+    sampled once a step in co-simulation and refused in model exchange, where it has no end of events. A layer is stiff:
+    within it S decays at Q + P/phi, and fixed steps must stay below 2.5 over that; beyond, results are wrong, and
+    without an error where a disturbance keeps S in motion.
 
     Parameters
     ----------

@@ -115,6 +115,7 @@ def sliding_mode_relay(
             checks=(
                 *surface_checks(c),
                 *bound_checks(p, bound, {i: c.rows[i - 1][-1] for i in chains.numbers}),
+                *_idle_checks(q, p, band),
                 *_endless_checks(band, least, p),
             ),
         )
@@ -129,6 +130,19 @@ def _switches(i: int, s: sp.Expr, relay: sp.Symbol, band: sp.Symbol, dwell: sp.S
         Transition(
             f"down_{i}", sp.And(sp.Eq(relay, 1), s < -band, rested), {relay: sp.S.NegativeOne, timer: sp.S.Zero}
         ),
+    )
+
+
+def _idle_checks(q: Gains, p: Gains, band: Gains) -> tuple[Check, ...]:
+    rows = dict.fromkeys(zip(q.rows, p.rows, band.rows, strict=True))
+    return tuple(
+        Check(
+            "relay at rest",
+            sp.Or(sp.Eq(gain.symbol, 0), gain.symbol > rate.symbol * width.symbol),
+            f"{gain.name} does not exceed {rate.name} {width.name}, so that S comes to rest within the hysteresis, "
+            f"before the relay switches; raise {gain.name} or lower {width.name}",
+        )
+        for (rate,), (gain,), (width,) in rows
     )
 
 

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import ROBOT_CHAINS, Chains
+from brunovsky.blocks.library.gains import numbers
 from brunovsky.blocks.variables import Parameter
+from brunovsky.errors import ModelError
 
 
 def set_point(chains: Chains | Block = ROBOT_CHAINS, targets: Sequence[float] = ()) -> Block:
@@ -23,13 +25,19 @@ def set_point(chains: Chains | Block = ROBOT_CHAINS, targets: Sequence[float] = 
     -------
     Block
         A reference for :func:`closed_loop`.
+
+    Raises
+    ------
+    ModelError
+        If there is not one number for each chain.
     """
     chains = Chains.of(chains)
+    values = numbers("targets", targets) if len(targets) else [0.0] * len(chains.orders)
+    if len(values) != len(chains.orders):
+        raise ModelError(f"set_point: {len(values)} target(s) for {len(chains.orders)} chain(s); give one for each")
     parameters = tuple(
-        Parameter(
-            f"target[{i}]", unit, f"set point of output {i}", float(targets[i - 1]) if targets else 0.0, tunable=True
-        )
-        for i, unit in enumerate(chains.units, 1)
+        Parameter(f"target[{i}]", unit, f"set point of output {i}", value, tunable=True)
+        for i, (unit, value) in enumerate(zip(chains.units, values, strict=True), 1)
     )
     return Block(
         "set_point",
