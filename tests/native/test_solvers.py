@@ -231,3 +231,42 @@ def test_a_block_without_states_runs() -> None:
 def test_unknown_solvers_and_tolerances_are_refused(oscillator: Block, options: dict, text: str, engine: str) -> None:
     with pytest.raises(ParameterError, match=text):
         br.simulate(oscillator, 1.0, engine=engine, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_sliding_motion_ends_in_an_error_at_any_length_of_step(engine: str) -> None:
+    """x' = -sign x - 1/2 reaches 0 at 2/3 s."""
+    x = symbols("x")[0]
+    block = Block(
+        "slide",
+        states=(State("x", derivative=-sp.sign(x) - sp.Rational(1, 2), start=sp.S.One),),
+        outputs=(Output("x", expression=x),),
+    )
+    for step_size in (1e-2, 3.0):
+        with pytest.raises(SimulationError, match=r"slide: events do not end.* at t = 0\.666"):
+            adaptive(block, 3.0, engine, step_size=step_size)
+
+
+def test_a_stiff_system_ends_in_an_error_or_with_its_solution() -> None:
+    """x' = -1e6 (x - cos t): a third of a million steps a second, which is too many only in one step_size."""
+    x, t = symbols("x")[0], br.blocks.TIME
+    block = Block(
+        "stiff",
+        states=(State("x", derivative=-1_000_000 * (x - sp.cos(t)), start=sp.S.One),),
+        outputs=(Output("x", expression=x),),
+    )
+    with pytest.raises(SimulationError, match=r"solver needs over 100000 steps within 1 s: it is stiff"):
+        adaptive(block, 1.0, step_size=1.0)
+    assert adaptive(block, 0.5, step_size=0.01)["x"].values[-1] == pytest.approx(math.cos(0.5), abs=3e-6)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_branch_that_ends_in_a_square_root_is_no_endless_search(engine: str) -> None:
+    """x' = -sqrt x until 0, which is at 2 s: nothing but an error or the solution comes out."""
+    x = symbols("x")[0]
+    outflow = sp.Piecewise((-sp.sqrt(x), x > 0), (0, True))
+    tank = Block("tank", states=(State("x", derivative=outflow, start=sp.S.One),), outputs=(Output("x", expression=x),))
+    with pytest.raises(SimulationError, match=r"tank: x is not finite after the step at t = 2\.0000") as caught:
+        adaptive(tank, 3.0, engine, step_size=0.5)
+    kept = caught.value.trajectory
+    assert kept["x"].values == pytest.approx((1 - kept["time"].values / 2) ** 2, abs=1e-6)

@@ -326,7 +326,8 @@ class NumpyEngine:
                 self._settle()
                 events += 1
             if steps >= MAX_STEPS:
-                problem = f"needs over {MAX_STEPS} steps within {self.step_size:g} s; {REMEDY}"
+                why = f"it is stiff or hardly stops switching; take a smaller step_size, or {REMEDY}"
+                problem = f"needs over {MAX_STEPS} steps within {self.step_size:g} s: {why}"
                 raise self._failure("solver", problem, [])
             if events > MAX_EVENTS:
                 problem = f"do not end: over {MAX_EVENTS} within {CROWD * self.step_size:g} s; {REMEDY}"
