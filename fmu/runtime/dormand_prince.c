@@ -16,7 +16,7 @@
 #define SAFETY 0.9
 #define SMALLEST_FACTOR 0.2
 #define LARGEST_FACTOR 5.0
-#define LOCATION 1e-9 /* part of step_size within which a change is located */
+#define LOCATION 1e-9 /* part of a step, or of step_size if shorter, within which a change is located */
 #define MAX_STEPS 100000 /* within a time of step_size */
 #define MAX_EVENTS 200   /* within a part CROWD of step_size */
 #define CROWD 1e-3
@@ -175,7 +175,8 @@ static int differs(const Step *step, double fraction)
 static double first_change(const Step *step)
 {
     const Engine *engine = step->engine;
-    const double width = (LOCATION * engine->step_size + 4 * DBL_EPSILON * fabs(engine->time)) / step->size;
+    const double location = LOCATION * fmin(engine->step_size, step->size) + 4 * DBL_EPSILON * fabs(engine->time);
+    const double width = location / step->size;
     double before = 0, after = 0;
     size_t k = 0;
     if (!engine->model->nr)

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 import sympy as sp
 import xarray as xr
+from scipy.integrate import solve_ivp
 
 import brunovsky as br
-from brunovsky.blocks import Block, NumpyEngine, Output, Parameter, State, symbols
+from brunovsky.blocks import Block, Mode, NumpyEngine, Output, Parameter, State, Transition, symbols
 from brunovsky.errors import ParameterError, SimulationError
 from brunovsky.native import NativeEngine
 
@@ -91,6 +92,45 @@ def test_relay_with_hysteresis_switches_on_time(relay: Block, engine: str, step_
     since = (time - 0.15) % 0.4
     expected = np.where(time < 0.15, 0.05 - time, np.minimum(since, 0.4 - since) - 0.1)
     assert run["x"].values == pytest.approx(expected, abs=2 * 15 * 1e-9 * step_size + 1e-12)
+
+
+def _oscillator_under_a_relay(t_end: float) -> float:
+    """x at the end of x'' = -x - 0.3 x' - relay, by scipy's events at its smallest tolerance."""
+    time, relay, states = 0.0, 1, np.array([1.0, 0.0])
+    while time < t_end:
+
+        def edge(_time: float, x: np.ndarray, side: int = relay) -> float:
+            return x[0] + 0.1 * side
+
+        def slope(_time: float, x: np.ndarray, side: int = relay) -> list[float]:
+            return [x[1], -x[0] - 0.3 * x[1] - side]
+
+        edge.terminal, edge.direction = True, -relay  # type: ignore[attr-defined]
+        found = solve_ivp(slope, (time, t_end), states, "DOP853", rtol=1e-13, atol=1e-15, events=edge)
+        time, states, relay = found.t[-1], found.y[:, -1], -relay
+    return float(states[0])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_events_in_curved_motion_follow_the_tolerance(engine: str) -> None:
+    """Against scipy's integration and location of events."""
+    x, rate, relay = symbols("x", "rate", "relay")
+    block = Block(
+        "relay_oscillator",
+        states=(State("x", derivative=rate, start=sp.S.One), State("rate", derivative=-x - 0.3 * rate - relay)),
+        modes=(Mode("relay", start=1),),
+        outputs=(Output("x", expression=x),),
+        transitions=(
+            Transition("up", sp.And(sp.Eq(relay, -1), x > 0.1), {relay: sp.S(1)}),
+            Transition("down", sp.And(sp.Eq(relay, 1), x < -0.1), {relay: sp.S(-1)}),
+        ),
+    )
+    expected = _oscillator_under_a_relay(20.0)
+    for tolerance, bound in ((1e-4, 2e-3), (1e-6, 2e-5), (1e-8, 2e-7), (1e-10, 2e-9)):
+        for step_size in (20.0, 0.1):
+            run = adaptive(block, 20.0, engine, step_size=step_size, tolerance=tolerance)
+            assert float(run["x"][-1]) == pytest.approx(expected, abs=bound)
+    assert abs(float(br.simulate(block, 20.0, step_size=1e-3)["x"][-1]) - expected) > 1e-2, "RK4 switches late"
 
 
 @pytest.mark.parametrize("engine", ENGINES)

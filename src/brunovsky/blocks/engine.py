@@ -30,7 +30,7 @@ STEP_ROUNDING = 1e-9  # a step is cut into ceil(h/step_size - STEP_ROUNDING) sub
 INSTANT_ROUNDING = 1e-6  # a sample is due this part of its period or step early, against rounding of time
 
 CHECKED_FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a Dormand-Prince step, where relations are compared
-LOCATION = 1e-9  # part of step_size within which a change is located
+LOCATION = 1e-9  # part of a step, or of step_size if shorter, within which a change is located
 MAX_STEPS = 100_000  # of Dormand-Prince within a time of step_size
 MAX_EVENTS, CROWD = 200, 1e-3  # of Dormand-Prince within this part of step_size
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-13, 1.0
@@ -80,7 +80,7 @@ class NumpyEngine:
     block : Block
         What runs.
     step_size : float
-        Longest substep of RK4, s. Dormand-Prince locates events within its billionth part, and gives up where it
+        Longest substep of RK4, s. Dormand-Prince locates events within a billionth of it at most, and gives up where it
         takes over 200 events within its thousandth part or over 100 000 steps within all of it.
     solver : {"rk4", "dormand_prince"}
         Method of integration.
@@ -362,7 +362,7 @@ class NumpyEngine:
             before = after
         else:
             return None
-        width = (LOCATION * self.step_size + 4 * EPSILON * abs(self.time)) / step.size
+        width = (LOCATION * min(self.step_size, step.size) + 4 * EPSILON * abs(self.time)) / step.size
         while after - before > width:
             middle = 0.5 * (before + after)
             if not before < middle < after:
