@@ -342,7 +342,7 @@ static void choose_sides(Instance *instance)
         instance->side[i] = (instance->z[i] > 0) - (instance->z[i] < 0);
 }
 
-/* RK4 has no use for the tolerance, so whatever a master gives is none of its business. */
+/* RK4 has no use for the tolerance, so it takes whatever a master gives. */
 static Result check_tolerance(Instance *instance)
 {
     const Engine *engine = instance->engine;
