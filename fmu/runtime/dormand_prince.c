@@ -230,7 +230,8 @@ static int check_effort(Engine *engine, int steps, int events)
     char problem[256];
     if (steps >= MAX_STEPS) {
         snprintf(problem, sizeof problem,
-                 "needs over %d steps within %g s: it is stiff or hardly stops switching; take a smaller step_size, or " REMEDY,
+                 "needs over %d steps within %g s: it is stiff or hardly stops switching; "
+                 "take a smaller step_size, or " REMEDY,
                  MAX_STEPS, engine->step_size);
         return engine_fail(engine, -1, "solver", problem);
     }
