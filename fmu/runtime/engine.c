@@ -1,12 +1,13 @@
 /* Semantics of a running block, the same as those of the NumPy engine that states them readably.
  *
  * Between events relations are frozen. At an event: due samples in the order of their rank, then relations and
- * transitions until nothing changes. A communication step is cut at sample instants; each piece is integrated by
- * classical RK4 in equal substeps no longer than step_size, each of which begins with an event. On the way out
- * relations are evaluated once more, so that outputs belong to the state reached and to the inputs of the step;
- * samples and transitions of that instant wait for the next step and its inputs.
+ * transitions until nothing changes. A communication step is cut at sample instants; each piece is integrated by one of
+ * two methods: equal substeps that each begin with an event (rk4.c), or steps chosen by the tolerance and cut where a
+ * relation changes (dormand_prince.c). On the way out relations are evaluated once more, so that outputs belong to the
+ * state reached and to the inputs of the step; samples and transitions of that instant wait for the next step and its
+ * inputs.
  */
-#include "engine.h"
+#include "solver.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,21 +16,18 @@
 
 #define MAX_EVENT_ITERATIONS 20
 #define MAX_SUBSTEPS 1e9
-#define STEP_ROUNDING 1e-9    /* a step is cut into ceil(h/step_size - STEP_ROUNDING) substeps */
 #define INSTANT_ROUNDING 1e-6 /* a sample is due this part of its period or step early, against rounding of time */
-
-#define VALUES(e) (e)->time, (e)->x, (e)->u, (e)->p, (e)->q, (e)->m, (e)->r
 
 static size_t doubles_saved(const Model *model)
 {
-    return 3 + (size_t)(model->nx + model->nq + model->nu + model->np);
+    return 4 + (size_t)(model->nx + model->nq + model->nu + model->np);
 }
 
 Engine *engine_new(const Model *model, double step_size)
 {
     const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
-    const size_t doubles = doubles_saved(model) + (size_t)model->ny + 5 * nx + 2 * nq + 1;
-    const size_t integers = (size_t)(2 * model->nm + model->nr) + 1;
+    const size_t doubles = doubles_saved(model) + (size_t)model->ny + 9 * nx + 2 * nq + 1;
+    const size_t integers = (size_t)(2 * model->nm + 2 * model->nr) + 1;
     Engine *engine = calloc(1, sizeof *engine);
     double *store = calloc(doubles, sizeof *store);
     long long *due = calloc(nq + 1, sizeof *due);
@@ -48,6 +46,8 @@ Engine *engine_new(const Model *model, double step_size)
         return NULL;
     }
     engine->step_size = step_size;
+    engine->tolerance = DEFAULT_TOLERANCE;
+    engine->solver = SOLVER_RK4;
     engine->x = store;
     engine->q = engine->x + nx;
     engine->u = engine->q + nq;
@@ -77,7 +77,7 @@ size_t engine_state_size(const Engine *engine)
 {
     const Model *model = engine->model;
     return doubles_saved(model) * sizeof(double) + (size_t)model->nq * sizeof(long long) +
-           (size_t)(model->nm + model->nr) * sizeof(int);
+           (size_t)(1 + model->nm + model->nr) * sizeof(int);
 }
 
 static void copy(char **bytes, void *values, size_t size, int restore)
@@ -95,8 +95,10 @@ static void transfer(Engine *engine, char *bytes, int restore)
     copy(&bytes, &engine->time, sizeof(double), restore);
     copy(&bytes, &engine->start_time, sizeof(double), restore);
     copy(&bytes, &engine->step_size, sizeof(double), restore);
+    copy(&bytes, &engine->tolerance, sizeof(double), restore);
     copy(&bytes, engine->x, (size_t)(model->nx + model->nq + model->nu + model->np) * sizeof(double), restore);
     copy(&bytes, engine->due, (size_t)model->nq * sizeof(long long), restore);
+    copy(&bytes, &engine->solver, sizeof(int), restore);
     copy(&bytes, engine->m, (size_t)model->nm * sizeof(int), restore);
     copy(&bytes, engine->r, (size_t)model->nr * sizeof(int), restore);
 }
@@ -127,7 +129,7 @@ void engine_reset(Engine *engine)
         engine->m[i] = 0;
 }
 
-static int fail_because(Engine *engine, int check, const char *variable, const char *problem)
+int engine_fail(Engine *engine, int check, const char *variable, const char *problem)
 {
     const Model *model = engine->model;
     engine->reason = check < 0 ? "diverged" : model->check_names[check];
@@ -137,9 +139,9 @@ static int fail_because(Engine *engine, int check, const char *variable, const c
     return ENGINE_FAILED;
 }
 
-static int fail(Engine *engine, const char *variable, const char *problem)
+int engine_fail_here(Engine *engine, const char *variable, const char *problem)
 {
-    return fail_because(engine, engine->model->failure_check(VALUES(engine)), variable, problem);
+    return engine_fail(engine, engine->model->failure_check(VALUES(engine)), variable, problem);
 }
 
 int engine_check_parameters(Engine *engine, int model_exchange)
@@ -155,7 +157,7 @@ int engine_check_parameters(Engine *engine, int model_exchange)
     model->periods(engine->p, engine->work);
     for (int i = 0; i < model->nq; i++)
         if (!(engine->work[i] > 0 && isfinite(engine->work[i])))
-            return fail_because(engine, -1, model->q_names[i], "has a period that is not positive and finite");
+            return engine_fail(engine, -1, model->q_names[i], "has a period that is not positive and finite");
     return ENGINE_OK;
 }
 
@@ -230,6 +232,11 @@ int engine_event(Engine *engine)
 {
     if (engine->model->nq)
         run_samples(engine);
+    return engine_settle(engine);
+}
+
+int engine_settle(Engine *engine)
+{
     engine_relations(engine);
     if (!engine->model->transitions)
         return ENGINE_OK;
@@ -240,7 +247,7 @@ int engine_event(Engine *engine)
     }
     if (!run_transitions(engine))
         return ENGINE_OK;
-    return fail_because(engine, -1, "events", "do not end: transitions still fire after 20 iterations");
+    return engine_fail(engine, -1, "events", "do not end: transitions still fire after 20 iterations");
 }
 
 void engine_outputs(Engine *engine)
@@ -265,79 +272,34 @@ int engine_check_finite(Engine *engine)
     engine_outputs(engine);
     for (int i = 0; i < model->ny; i++)
         if (!isfinite(engine->y[i]))
-            return fail(engine, model->y_names[i], "is not finite");
+            return engine_fail_here(engine, model->y_names[i], "is not finite");
     engine_derivatives(engine, engine->work);
     for (int i = 0; i < model->nx; i++)
         if (!isfinite(engine->work[i])) {
             snprintf(name, sizeof name, "der(%s)", model->x_names[i]);
-            return fail(engine, name, "is not finite");
+            return engine_fail_here(engine, name, "is not finite");
         }
     return ENGINE_OK;
 }
 
-/* What explains a step that is not finite: the first check that fails at one of its stages that still are. */
-static int failed_stage_check(Engine *engine, double h)
+int engine_stage_check(const Engine *engine, double time, const double *stage)
 {
-    static const double fraction[] = {0, 0.5, 0.5, 1};
-    const Model *model = engine->model;
-    const int n = model->nx;
-    double *slopes = engine->work, *stage = slopes + 4 * n;
-    for (int k = 0; k < 4; k++) {
-        for (int i = 0; i < n; i++) {
-            stage[i] = k ? engine->x[i] + fraction[k] * h * slopes[(k - 1) * n + i] : engine->x[i];
-            if (!isfinite(stage[i]))
-                return -1;
-        }
-        const int check = model->failure_check(engine->time + fraction[k] * h, stage, engine->u, engine->p, engine->q,
-                                               engine->m, engine->r);
-        if (check >= 0)
-            return check;
-    }
+    if (first_not_finite(stage, engine->model->nx) >= 0)
+        return -2;
+    return engine->model->failure_check(time, stage, engine->u, engine->p, engine->q, engine->m, engine->r);
+}
+
+int first_not_finite(const double *values, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (!isfinite(values[i]))
+            return i;
     return -1;
-}
-
-static int rk4_step(Engine *engine, double h)
-{
-    const Model *model = engine->model;
-    const int n = model->nx;
-    const double t = engine->time;
-    double *x = engine->x, *k1 = engine->work, *k2 = k1 + n, *k3 = k2 + n, *k4 = k3 + n, *stage = k4 + n;
-    const double *u = engine->u, *p = engine->p, *q = engine->q;
-    const int *m = engine->m, *r = engine->r;
-    model->derivatives(t, x, u, p, q, m, r, k1);
-    for (int i = 0; i < n; i++)
-        stage[i] = x[i] + 0.5 * h * k1[i];
-    model->derivatives(t + 0.5 * h, stage, u, p, q, m, r, k2);
-    for (int i = 0; i < n; i++)
-        stage[i] = x[i] + 0.5 * h * k2[i];
-    model->derivatives(t + 0.5 * h, stage, u, p, q, m, r, k3);
-    for (int i = 0; i < n; i++)
-        stage[i] = x[i] + h * k3[i];
-    model->derivatives(t + h, stage, u, p, q, m, r, k4);
-    for (int i = 0; i < n; i++)
-        stage[i] = x[i] + h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
-    for (int i = 0; i < n; i++)
-        if (!isfinite(stage[i]))
-            return fail_because(engine, failed_stage_check(engine, h), model->x_names[i], "is not finite after the step");
-    memcpy(x, stage, (size_t)n * sizeof *x);
-    return ENGINE_OK;
 }
 
 static int integrate(Engine *engine, double stop)
 {
-    const double begin = engine->time, length = stop - begin;
-    const double needed = ceil(length / engine->step_size - STEP_ROUNDING);
-    const long count = needed < 1 ? 1 : (long)needed;
-    const double size = length / (double)count;
-    for (long i = 0; i < count; i++) {
-        if (i && engine_event(engine) != ENGINE_OK)
-            return ENGINE_FAILED;
-        if (rk4_step(engine, size) != ENGINE_OK)
-            return ENGINE_FAILED;
-        engine->time = begin + (double)(i + 1) * size;
-    }
-    engine->time = stop;
-    return ENGINE_OK;
+    return engine->solver == SOLVER_RK4 ? rk4_integrate(engine, stop) : dormand_prince_integrate(engine, stop);
 }
 
 /* ENGINE_FAILED if a step of this length would not end in any time that one would wait. */
@@ -345,11 +307,11 @@ static int check_length(Engine *engine, double length)
 {
     const Model *model = engine->model;
     if (!(length / engine->step_size <= MAX_SUBSTEPS))
-        return fail_because(engine, -1, "step_size", "is too small: the step would take over a billion substeps");
+        return engine_fail(engine, -1, "step_size", "is too small: the step would take over a billion substeps");
     model->periods(engine->p, engine->work);
     for (int i = 0; i < model->nq; i++)
         if (!(length / engine->work[i] <= MAX_SUBSTEPS))
-            return fail_because(engine, -1, model->q_names[i],
+            return engine_fail(engine, -1, model->q_names[i],
                                 "has too short a period: the step would take over a billion samples");
     return ENGINE_OK;
 }

@@ -1,4 +1,4 @@
-/* A running instance of a model: events, RK4 and restoring after a failed step. See engine.c for the semantics. */
+/* A running instance of a model: events, integration, restoring after a failed step. See engine.c for the semantics. */
 #ifndef BRUNOVSKY_ENGINE_H
 #define BRUNOVSKY_ENGINE_H
 
@@ -7,10 +7,17 @@
 #include "model.h"
 
 enum { ENGINE_OK = 0, ENGINE_FAILED = 1 };
+enum { SOLVER_RK4 = 1, SOLVER_DORMAND_PRINCE = 2 };
+
+#define DEFAULT_TOLERANCE 1e-6
+#define LEAST_TOLERANCE 1e-13
+#define LARGEST_TOLERANCE 1.0
 
 typedef struct {
     const Model *model;
     double time, start_time, step_size;
+    double tolerance; /* of Dormand-Prince */
+    int solver;
     double *p, *u, *x, *q;
     long long *due; /* number of the next sample of each sampled state */
     int *m, *r;

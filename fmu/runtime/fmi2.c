@@ -199,11 +199,10 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
     Fmu *fmu = c;
-    (void)toleranceDefined; /* the step size is fixed */
-    (void)tolerance;
     if (refused(fmu, __func__, INSTANTIATED))
         return fmi2Error;
-    return status_of(fmu, __func__, instance_set_up(fmu->instance, startTime, stopTimeDefined ? stopTime : HUGE_VAL));
+    return status_of(fmu, __func__, instance_set_up(fmu->instance, startTime, stopTimeDefined ? stopTime : HUGE_VAL,
+                                               toleranceDefined ? tolerance : DEFAULT_TOLERANCE));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)

@@ -12,7 +12,6 @@
 #define MIN_STEP_SIZE 1e-9
 #define TIME_ROUNDING 1e-6  /* part of a step by which the master's time may differ from the instance's */
 #define INDICATOR_SHIFT 1e-12 /* an indicator is this far from zero after its event, as FMI recommends */
-#define SOLVER_RK4 1
 
 typedef enum { TIME, STEP_SIZE, SOLVER, PARAMETER, INPUT, OUTPUT, STATE, SAMPLE, MODE, DERIVATIVE, UNKNOWN } Kind;
 
@@ -66,6 +65,8 @@ void instance_reset(Instance *instance)
 {
     engine_reset(instance->engine);
     instance->engine->step_size = DEFAULT_STEP_SIZE;
+    instance->engine->tolerance = DEFAULT_TOLERANCE;
+    instance->engine->solver = SOLVER_RK4;
     instance->phase = INSTANTIATED;
     instance->start = 0;
     instance->stop = HUGE_VAL;
@@ -219,7 +220,7 @@ Result instance_get(Instance *instance, Type type, unsigned reference, double *v
     switch (kind) {
     case TIME: *value = instance->phase == INITIALIZATION ? instance->start : engine->time; break;
     case STEP_SIZE: *value = engine->step_size; break;
-    case SOLVER: *value = SOLVER_RK4; break;
+    case SOLVER: *value = engine->solver; break;
     case PARAMETER: *value = engine->p[index]; break;
     case INPUT: *value = engine->u[index]; break;
     case OUTPUT: *value = outputs(instance)[index]; break;
@@ -289,7 +290,7 @@ Result instance_admits(Instance *instance, Type type, unsigned reference, double
     switch (kind) {
     case PARAMETER: return within(instance, model->p_names[index], value, model->p_min[index], model->p_max[index]);
     case STEP_SIZE: return within(instance, "step_size", value, MIN_STEP_SIZE, DBL_MAX);
-    case SOLVER: return within(instance, "solver", value, SOLVER_RK4, SOLVER_RK4);
+    case SOLVER: return within(instance, "solver", value, SOLVER_RK4, SOLVER_DORMAND_PRINCE);
     default: return DONE;
     }
 }
@@ -306,6 +307,7 @@ void instance_set(Instance *instance, unsigned reference, double value)
         break;
     case INPUT: engine->u[index] = value; break;
     case STEP_SIZE: engine->step_size = value; break;
+    case SOLVER: engine->solver = (int)value; break;
     case OUTPUT:
     case STATE: engine->x[state_of(kind, index)] = value; break;
     default: break;
@@ -316,12 +318,13 @@ void instance_set(Instance *instance, unsigned reference, double value)
 
 /* Life cycle ------------------------------------------------------------------------------------------------------ */
 
-Result instance_set_up(Instance *instance, double start, double stop)
+Result instance_set_up(Instance *instance, double start, double stop, double tolerance)
 {
     if (!isfinite(start) || isnan(stop) || stop < start)
         return report(instance, FAILED, "an experiment from %g s to %g s has no length", start, stop);
     instance->start = start;
     instance->stop = stop;
+    instance->engine->tolerance = tolerance;
     return DONE;
 }
 
@@ -339,9 +342,21 @@ static void choose_sides(Instance *instance)
         instance->side[i] = (instance->z[i] > 0) - (instance->z[i] < 0);
 }
 
+/* RK4 has no use for the tolerance, so it takes whatever a master gives. */
+static Result check_tolerance(Instance *instance)
+{
+    const Engine *engine = instance->engine;
+    if (engine->solver == SOLVER_RK4 || (engine->tolerance >= LEAST_TOLERANCE && engine->tolerance <= LARGEST_TOLERANCE))
+        return DONE;
+    return report(instance, FAILED, "the experiment's tolerance = %g is out of the range of this solver, from %g to %g",
+                  engine->tolerance, LEAST_TOLERANCE, LARGEST_TOLERANCE);
+}
+
 Result instance_exit_initialization(Instance *instance)
 {
-    const Result result = refresh(instance);
+    Result result = instance->model_exchange ? DONE : check_tolerance(instance);
+    if (result == DONE)
+        result = refresh(instance);
     if (result != DONE)
         return result;
     instance->phase = instance->model_exchange ? EVENT : STEP;

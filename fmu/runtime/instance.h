@@ -50,7 +50,7 @@ void instance_reset(Instance *instance);
 /* FAILED unless the phase is one of these. */
 Result instance_permits(Instance *instance, int phases);
 
-Result instance_set_up(Instance *instance, double start, double stop);
+Result instance_set_up(Instance *instance, double start, double stop, double tolerance);
 void instance_enter_initialization(Instance *instance);
 Result instance_exit_initialization(Instance *instance);
 

@@ -132,7 +132,7 @@ def test_variability_and_defaults_of_parameters(described):
         1e-3,
         "fixed",
     )
-    assert [item.name for item in found["solver"].declaredType.items] == ["RK4"]
+    assert [item.name for item in found["solver"].declaredType.items] == ["RK4", "DormandPrince"]
     assert found["time"].causality == "independent"
 
 

@@ -1,8 +1,10 @@
 """A running block in plain NumPy: the readable statement of the semantics that compiled targets must reproduce.
 
 Between events relations are frozen. At an event: due samples in the order of their rank, then relations and
-transitions until nothing changes. A communication step is cut at sample instants; each piece is integrated by
-classical RK4 in equal substeps no longer than ``step_size``, each of which begins with an event. On the way out
+transitions until nothing changes. A communication step is cut at sample instants; each piece is integrated by one of
+two methods. Classical RK4 takes equal substeps no longer than ``step_size``, each of which begins with an event.
+Dormand-Prince 5(4) chooses its steps by the tolerance; where a relation is no longer what it is frozen at, the step is
+cut just after the change, relations and transitions are evaluated there, and it begins afresh. On the way out
 relations are evaluated once more, so that outputs belong to the state reached and to the inputs of the step;
 samples and transitions of that instant wait for the next step and its inputs.
 """
@@ -11,12 +13,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
+from brunovsky.blocks import dormand_prince
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.variables import TIME, Check
 from brunovsky.errors import ParameterError, SimulationError
@@ -25,6 +28,17 @@ MAX_EVENT_ITERATIONS = 20
 MAX_SUBSTEPS = 1e9
 STEP_ROUNDING = 1e-9  # a step is cut into ceil(h/step_size - STEP_ROUNDING) substeps
 INSTANT_ROUNDING = 1e-6  # a sample is due this part of its period or step early, against rounding of time
+
+CHECKED_FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a Dormand-Prince step, where relations are compared
+LOCATION = 1e-9  # part of a step, or of step_size if shorter, within which a change is located
+MAX_STEPS = 100_000  # of Dormand-Prince within a time of step_size
+MAX_EVENTS, CROWD = 200, 1e-3  # of Dormand-Prince within this part of step_size
+LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-13, 1.0
+EPSILON = float(np.finfo(float).eps)
+
+Solver = Literal["rk4", "dormand_prince"]
+SOLVERS: tuple[Solver, ...] = ("rk4", "dormand_prince")
+REMEDY = "use solver RK4, a boundary layer, hysteresis or a sampled law"
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -44,8 +58,35 @@ def step_count(length: float, step_size: float) -> int:
     return max(1, math.ceil(length / step_size - STEP_ROUNDING))
 
 
+def check_solver(solver: str, tolerance: float) -> None:
+    """Refuse a method that does not exist and a tolerance that it cannot keep.
+
+    Raises
+    ------
+    ParameterError
+        The message has the names or the range.
+    """
+    if solver not in SOLVERS:
+        raise ParameterError(f"there is no solver {solver!r}; use {' or '.join(map(repr, SOLVERS))}")
+    if not (isinstance(tolerance, int | float) and LEAST_TOLERANCE <= tolerance <= LARGEST_TOLERANCE):
+        raise ParameterError(f"tolerance = {tolerance!r} is out of its range from {LEAST_TOLERANCE:g} to 1")
+
+
 class NumpyEngine:
     """A running instance of a block, evaluated by NumPy.
+
+    Parameters
+    ----------
+    block : Block
+        What runs.
+    step_size : float
+        Longest substep of RK4, s. Dormand-Prince locates events within a billionth of it at most, and gives up where it
+        takes over 200 events within its thousandth part or over 100 000 steps within all of it.
+    solver : {"rk4", "dormand_prince"}
+        Method of integration.
+    tolerance : float
+        Of Dormand-Prince, 1e-13 to 1: relative error of a step; a hundredth of it is added as the absolute one, in
+        the unit of each state.
 
     Attributes
     ----------
@@ -53,13 +94,19 @@ class NumpyEngine:
         Current time, s.
     parameters, inputs, states, samples, modes, relations : ndarray
         Current values in the block's order of declaration; relations are 0 or 1.
-    step_size : float
-        Longest substep of the integration, s.
+    step_size, solver, tolerance
+        As given.
+
+    Raises
+    ------
+    ParameterError
+        For an unknown solver, or a tolerance out of its range.
     """
 
-    def __init__(self, block: Block, step_size: float = 1e-3) -> None:
+    def __init__(self, block: Block, step_size: float = 1e-3, solver: Solver = "rk4", tolerance: float = 1e-6) -> None:
+        check_solver(solver, tolerance)
         self.block = block
-        self.step_size = step_size
+        self.step_size, self.solver, self.tolerance = step_size, solver, tolerance
         self._arguments = [
             TIME,
             *([one.symbol for one in group] for group in (block.states, block.inputs, block.parameters)),
@@ -133,6 +180,9 @@ class NumpyEngine:
         """Due samples, then relations and transitions until nothing changes."""
         if len(self.samples):
             self._run_samples()
+        self._settle()
+
+    def _settle(self) -> None:
         self.update_relations()
         for _ in range(MAX_EVENT_ITERATIONS):
             if not self._run_transitions():
@@ -201,7 +251,10 @@ class NumpyEngine:
             while self.time < end:
                 sample = self.next_sample_time()
                 stop = sample if sample < end - INSTANT_ROUNDING * self.step_size else end
-                self._integrate(stop)
+                if self.solver == "rk4":
+                    self._integrate_rk4(stop)
+                else:
+                    self._integrate_dormand_prince(stop)
                 if stop < end:
                     self.event()
             self.update_relations()
@@ -219,7 +272,7 @@ class NumpyEngine:
                 problem = "has too short a period: the step would take over a billion samples"
                 raise self._failure(sample.name, problem, [])
 
-    def _integrate(self, stop: float) -> None:
+    def _integrate_rk4(self, stop: float) -> None:
         begin = self.time
         count = step_count(stop - begin, self.step_size)
         size = (stop - begin) / count
@@ -237,10 +290,93 @@ class NumpyEngine:
             self.states = start + size / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
             self.time = begin + (index + 1) * size
             if not np.isfinite(self.states).all():
-                variable = self.block.states[int(np.argmin(np.isfinite(self.states)))].name
+                variable = self._culprit(self.states)
                 self.states, self.time = start, time
                 raise self._failure(variable, "is not finite after the step", self._failed_checks(stages))
         self.time = stop
+
+    def _integrate_dormand_prince(self, stop: float) -> None:
+        window, steps, crowd, events = self.time, 0, self.time, 0
+        size, growth = 0.0, dormand_prince.LARGEST_FACTOR
+        first: Array | None = None
+        while self.time < stop:
+            time, start = self.time, self.states
+            if time > window + self.step_size:
+                window, steps = time, 0
+            if time > crowd + CROWD * self.step_size:
+                crowd, events = time, 0
+            if first is None:
+                first = self._first_slope()
+                size = dormand_prince.first_size(self._slope, time, start, first, stop - time, self.tolerance)
+            last = 1.01 * size >= stop - time
+            size = stop - time if last else size
+            step = dormand_prince.attempt(self._slope, time, start, first, size)
+            self.time, self.states = time, start
+            error, steps = step.error(self.tolerance), steps + 1
+            if not error <= 1:
+                self._check_rejected(step, steps, 16 * EPSILON * max(abs(time), abs(stop)))
+                size, growth = size * min(dormand_prince.factor(error), dormand_prince.SAFETY), 1.0
+                continue
+            fraction = self._first_change(step)
+            if fraction is None or time + fraction * size >= stop:  # an event at the end is the caller's
+                self.time, self.states, first = stop if last else time + size, step.end, step.slopes[-1]
+                size, growth = size * min(dormand_prince.factor(error), growth), dormand_prince.LARGEST_FACTOR
+            else:
+                self.time, self.states, first = time + fraction * size, step.at(fraction), None
+                self._settle()
+                events += 1
+            if steps >= MAX_STEPS:
+                why = f"it is stiff or hardly stops switching; take a smaller step_size, or {REMEDY}"
+                problem = f"needs over {MAX_STEPS} steps within {self.step_size:g} s: {why}"
+                raise self._failure("solver", problem, [])
+            if events > MAX_EVENTS:
+                problem = f"do not end: over {MAX_EVENTS} within {CROWD * self.step_size:g} s; {REMEDY}"
+                raise self._failure("events", problem, [])
+
+    def _first_slope(self) -> Array:
+        slopes = np.array(self.derivatives())
+        if not np.isfinite(slopes).all():
+            raise self._failure(f"der({self._culprit(slopes)})", "is not finite")
+        return slopes
+
+    def _culprit(self, values: Array) -> str:
+        return self.block.states[int(np.argmin(np.isfinite(values)))].name
+
+    def _check_rejected(self, step: dormand_prince.Step, steps: int, smallest: float) -> None:
+        """Error if a rejected step cannot be followed by a smaller one."""
+        if step.size > smallest and steps < MAX_STEPS:
+            return
+        reasons = self._failed_checks(step.points)
+        if not np.isfinite(step.end).all():
+            raise self._failure(self._culprit(step.end), "is not finite after the step", reasons)
+        raise self._failure("solver", f"finds no step that keeps the tolerance of {self.tolerance:g}", reasons)
+
+    def _first_change(self, step: dormand_prince.Step) -> float | None:
+        """Part of a step just after which relations first differ from what they are frozen at, None if nowhere."""
+        if not len(self.relations):
+            return None
+        before = 0.0
+        for after in CHECKED_FRACTIONS:
+            if self._differs(step, after):
+                break
+            before = after
+        else:
+            return None
+        width = (LOCATION * min(self.step_size, step.size) + 4 * EPSILON * abs(self.time)) / step.size
+        while after - before > width:
+            middle = 0.5 * (before + after)
+            if not before < middle < after:
+                break
+            before, after = (before, middle) if self._differs(step, middle) else (middle, after)
+        return after
+
+    def _differs(self, step: dormand_prince.Step, fraction: float) -> bool:
+        time, states, frozen = self.time, self.states, self.relations.copy()
+        self.time, self.states = time + fraction * step.size, step.at(fraction)
+        self.update_relations()
+        differs = bool((self.relations != frozen).any())
+        self.time, self.states, self.relations = time, states, frozen
+        return differs
 
     def _slope(self, time: float, states: Array) -> Array:
         self.time, self.states = time, states

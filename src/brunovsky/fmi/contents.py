@@ -17,9 +17,10 @@ from brunovsky.blocks import Block
 from brunovsky.fmi.description2 import model_description
 from brunovsky.fmi.variables import scalar_variables
 from brunovsky.native import compile_library, model_source
+from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
 
-_RUNTIME = ("engine.c", "instance.c", "fmi2.c")
-_HEADERS = ("model.h", "description.h", "engine.h", "instance.h")
+_RUNTIME = (*ENGINE_SOURCES, "instance.c", "fmi2.c")
+_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h")
 SOURCE_FILES = ("model.c", "description.c", *_RUNTIME)
 """C files that make up the binary; the first two are generated."""
 

@@ -102,8 +102,8 @@ def _solver_type(root: etree._Element) -> None:
     definitions = etree.SubElement(root, "TypeDefinitions")
     simple = etree.SubElement(definitions, "SimpleType", name=_SOLVER_TYPE, description="integration method")
     items = etree.SubElement(simple, "Enumeration")
-    for value, name in enumerate(SOLVERS, 1):
-        etree.SubElement(items, "Item", name=name, value=str(value), description="classical Runge-Kutta, fixed step")
+    for value, (name, description) in enumerate(SOLVERS.items(), 1):
+        etree.SubElement(items, "Item", name=name, value=str(value), description=description)
 
 
 def _variables(root: etree._Element, variables: Sequence[ScalarVariable]) -> None:

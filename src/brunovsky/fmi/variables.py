@@ -15,7 +15,7 @@ STEP_SIZE = 1e-3
 """Default of ``step_size``, s; the same number is in the runtime."""
 
 MIN_STEP_SIZE = 1e-9
-SOLVERS = ("RK4",)
+SOLVERS = {"RK4": "classical Runge-Kutta, fixed step", "DormandPrince": "5(4), step by tolerance, events located"}
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def _common(block: Block) -> list[ScalarVariable]:
     time = ScalarVariable("time", 0, "independent", initial="", unit="s", description="time", expression=TIME)
     step = ScalarVariable(
         "step_size", 1, "parameter", "fixed", "exact",
-        unit="s", description="longest internal step of co-simulation", start=STEP_SIZE, minimum=MIN_STEP_SIZE,
+        unit="s", description="longest internal step of RK4 in co-simulation", start=STEP_SIZE, minimum=MIN_STEP_SIZE,
     )  # fmt: skip
     solver = ScalarVariable(
         "solver", 2, "parameter", "fixed", "exact", "Enumeration", description="method of co-simulation", start=1

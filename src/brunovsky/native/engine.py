@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from brunovsky.blocks import Block
+from brunovsky.blocks.engine import SOLVERS, Solver, check_solver
 from brunovsky.errors import ParameterError, SimulationError
 from brunovsky.native.library import load_library
 
@@ -37,11 +38,13 @@ class NativeEngine:
     ----------
     block : Block
         Compiled on first use, then taken from the cache.
-    step_size : float
-        Longest substep of the integration, s.
+    step_size, solver, tolerance
+        As those of :class:`brunovsky.blocks.NumpyEngine`.
 
     Raises
     ------
+    ParameterError
+        For an unknown solver, or a tolerance out of its range.
     CompilerError
         If there is no C compiler or it fails.
     """
@@ -53,7 +56,8 @@ class NativeEngine:
     modes = _view("m", "modes", int)
     relations = _view("r", "relations", int)
 
-    def __init__(self, block: Block, step_size: float = 1e-3) -> None:
+    def __init__(self, block: Block, step_size: float = 1e-3, solver: Solver = "rk4", tolerance: float = 1e-6) -> None:
+        check_solver(solver, tolerance)
         self.block = block
         library = load_library(block)
         self._library = library
@@ -62,6 +66,8 @@ class NativeEngine:
         if not self._engine:
             raise MemoryError(f"no memory for an instance of {block.name}")
         weakref.finalize(self, library.engine_free, self._engine)
+        self._engine.contents.solver = SOLVERS.index(solver) + 1
+        self._engine.contents.tolerance = tolerance
 
     @property
     def time(self) -> float:
@@ -74,7 +80,7 @@ class NativeEngine:
 
     @property
     def step_size(self) -> float:
-        """Longest substep of the integration, s."""
+        """Longest substep of RK4, s."""
         return float(self._engine.contents.step_size)
 
     @step_size.setter

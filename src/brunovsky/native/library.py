@@ -14,6 +14,10 @@ from brunovsky.blocks import Block
 from brunovsky.native.code import model_source
 from brunovsky.native.compiler import SUFFIX, compile_library, compiler_version, find_compiler
 
+ENGINE_SOURCES = ("engine.c", "rk4.c", "dormand_prince.c")
+ENGINE_HEADERS = ("model.h", "engine.h", "solver.h")
+"""C files of the runtime that run a block; its generated ``model.c`` goes with them."""
+
 
 def cache_folder() -> Path:
     """Folder of compiled blocks: ``$BRUNOVSKY_CACHE``, else the user's cache folder."""
@@ -33,7 +37,7 @@ def build_library(block: Block) -> Path:
     runtime = runtime_folder()
     parts = [
         text,
-        *(path.read_text() for path in sorted(runtime.glob("[em]*.[ch]"))),
+        *((runtime / name).read_text() for name in (*ENGINE_SOURCES, *ENGINE_HEADERS)),
         compiler_version(find_compiler()),
     ]
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
@@ -43,7 +47,8 @@ def build_library(block: Block) -> Path:
         with tempfile.TemporaryDirectory() as folder:
             source = Path(folder) / "model.c"
             source.write_text(text)
-            compile_library([source, runtime / "engine.c"], library, include=[runtime], defines={"ENGINE_API": _EXPORT})
+            sources = [source, *(runtime / name for name in ENGINE_SOURCES)]
+            compile_library(sources, library, include=[runtime], defines={"ENGINE_API": _EXPORT})
     return library
 
 
@@ -58,6 +63,8 @@ class EngineStruct(ctypes.Structure):
         ("time", ctypes.c_double),
         ("start_time", ctypes.c_double),
         ("step_size", ctypes.c_double),
+        ("tolerance", ctypes.c_double),
+        ("solver", ctypes.c_int),
         ("p", ctypes.POINTER(ctypes.c_double)),
         ("u", ctypes.POINTER(ctypes.c_double)),
         ("x", ctypes.POINTER(ctypes.c_double)),

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from brunovsky._suggest import unknown_name
 from brunovsky.blocks import Block, NumpyEngine, Output, Variable
-from brunovsky.blocks.engine import step_count
+from brunovsky.blocks.engine import Solver, step_count
 from brunovsky.errors import ModelError, ParameterError, SimulationError
 from brunovsky.native.engine import NativeEngine
 
@@ -30,8 +30,10 @@ def simulate(
     inputs: Mapping[str, Signal] | None = None,
     record: Sequence[str] | None = None,
     engine: Literal["native", "numpy"] = "native",
+    solver: Solver = "rk4",
+    tolerance: float = 1e-6,
 ) -> xr.Dataset:
-    """Simulate a block from t = 0 with classical RK4 and switching frozen over each step.
+    """Simulate a block from t = 0, with switching frozen over each step or located within it.
 
     Parameters
     ----------
@@ -40,7 +42,7 @@ def simulate(
     t_end : float
         Duration, s; cut into ``ceil(t_end/step_size)`` equal steps.
     step_size : float
-        Longest step, s.
+        Longest step between recorded instants, s, over which inputs are held. RK4 takes no others.
     parameters : mapping of str to float, optional
         Values that replace defaults.
     inputs : mapping of str to float, array or function of time, optional
@@ -49,6 +51,12 @@ def simulate(
         Outputs, states, samples and modes to return; by default all.
     engine : {"native", "numpy"}
         Compiled code, or the slow plain NumPy evaluation of the same block.
+    solver : {"rk4", "dormand_prince"}
+        Classical Runge-Kutta of order 4 with switching frozen over each step; or the embedded pair 5(4) of Dormand and
+        Prince, which chooses its steps between the recorded instants and locates events within them.
+    tolerance : float
+        Of Dormand-Prince, 1e-13 to 1: relative error of a step; a hundredth of it is added as the absolute one, in
+        the unit of each state.
 
     Returns
     -------
@@ -59,7 +67,7 @@ def simulate(
     Raises
     ------
     ParameterError
-        For unknown names, values that are not finite or out of range, and arrays of the wrong length.
+        For unknown names or solvers, values that are not finite or out of range, and arrays of the wrong length.
     SimulationError
         If a step fails; its ``trajectory`` is the Dataset until then.
     ModelError
@@ -81,7 +89,7 @@ def simulate(
         raise ParameterError(f"{block.name} has {unknown_name('variable to record', unknown[0], recorded)}")
     values = block.parameter_values(parameters)
     table = _input_table(block, times, inputs or {})
-    instance = ENGINES[engine](block, step_size)
+    instance = ENGINES[engine](block, step_size, solver, tolerance)
     instance.set_parameters(values)
     instance.inputs = table[0]
     try:

@@ -1,0 +1,27 @@
+/* The integration methods, and what they share with the engine. */
+#ifndef BRUNOVSKY_SOLVER_H
+#define BRUNOVSKY_SOLVER_H
+
+#include "engine.h"
+
+#define VALUES(e) (e)->time, (e)->x, (e)->u, (e)->p, (e)->q, (e)->m, (e)->r
+
+/* From engine->time to stop with the inputs held. Both need work space: 9 nx doubles. */
+int rk4_integrate(Engine *engine, double stop);
+int dormand_prince_integrate(Engine *engine, double stop);
+
+/* Relations and transitions until nothing changes: an event without samples. */
+int engine_settle(Engine *engine);
+
+/* ENGINE_FAILED, with a message; check is the index of the check that explains it, or -1. */
+int engine_fail(Engine *engine, int check, const char *variable, const char *problem);
+/* The same, explained by the first check that fails at the present values. */
+int engine_fail_here(Engine *engine, const char *variable, const char *problem);
+
+/* First check that fails at a stage of a step, where that is finite: -1 if none does, -2 if the stage is not finite. */
+int engine_stage_check(const Engine *engine, double time, const double *stage);
+
+/* Index of the first value that is not finite, -1 if all are. */
+int first_not_finite(const double *values, int count);
+
+#endif
