@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -93,5 +94,8 @@ class Reaching:
 
 
 def exponential_gain(chains: Chains, Q: ArrayLike) -> Gains:
-    """Parameters ``Q``, or ``Q[i]``."""
-    return scalar_gains(chains, "Q", Q, lambda i: "1/s", "gain of the exponential part of the reaching law", 0.0)
+    """Parameters ``Q``, or ``Q[i]``, with a warning where a default drives S away: a class may want to see it."""
+    gains = scalar_gains(chains, "Q", Q, lambda i: "1/s", "gain of the exponential part of the reaching law")
+    if any(one.value < 0.0 for one in gains.parameters):
+        warnings.warn(f"Q = {Q} drives S away from the surface, beyond abs(S) = P/abs(Q); give Q >= 0", stacklevel=3)
+    return gains
