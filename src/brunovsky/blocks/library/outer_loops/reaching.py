@@ -96,6 +96,7 @@ class Reaching:
 def exponential_gain(chains: Chains, Q: ArrayLike) -> Gains:
     """Parameters ``Q``, or ``Q[i]``, with a warning where a default drives S away: a class may want to see it."""
     gains = scalar_gains(chains, "Q", Q, lambda i: "1/s", "gain of the exponential part of the reaching law")
-    if any(one.value < 0.0 for one in gains.parameters):
-        warnings.warn(f"Q = {Q} drives S away from the surface, beyond abs(S) = P/abs(Q); give Q >= 0", stacklevel=3)
+    if negative := [one for one in gains.parameters if one.value < 0.0]:
+        name, value = negative[0].name, negative[0].value
+        warnings.warn(f"{name} = {value:g} drives S away from the surface where abs(S) > P/{-value:g}", stacklevel=3)
     return gains
