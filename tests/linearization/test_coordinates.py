@@ -36,6 +36,8 @@ EQUILIBRIA = {
     | {"mu": 1.1, "alpha": 0.9, "M": 2, "beta": 0.5, "gamma": 1.3, "sigma": 0.2, "n_p": 2},
 }
 
+PLANTS = [pytest.param(one, marks=pytest.mark.slow) if one in ("quadrotor", "trailer") else one for one in GALLERY]
+
 
 def sheared(name: str) -> tuple[AffineSystem, dict[sp.Symbol, sp.Expr]]:
     """The plant in other coordinates: x_i = s_i + s_(i + 1)^2 for all but the last and the kept.
@@ -65,7 +67,7 @@ def both(name: str) -> tuple[Linearization, Linearization, Mapping[sp.Symbol, sp
     return linearized(name), linearize(system), replacement
 
 
-@pytest.mark.parametrize("name", GALLERY)
+@pytest.mark.parametrize("name", PLANTS)
 def test_degree_extension_and_law_do_not_depend_on_coordinates(name: str) -> None:
     one, other, replacement = both(name)
     assert other.relative_degree == one.relative_degree
@@ -81,7 +83,7 @@ def test_degree_extension_and_law_do_not_depend_on_coordinates(name: str) -> Non
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", GALLERY)
+@pytest.mark.parametrize("name", PLANTS)
 def test_static_linearizability_does_not_depend_on_coordinates(name: str) -> None:
     one, other = static_linearizability(GALLERY[name]()), static_linearizability(sheared(name)[0])
     assert (other.answer, other.reason) == (one.answer, one.reason)
