@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -83,12 +84,12 @@ def _with_mathematics(lines: Iterable[Line], heading: str, display: str) -> str:
     return "\n\n".join(blocks) + "\n"
 
 
-class Explained:
+class Explained(ABC):
     """A result that explains itself, in three renderings of the same lines."""
 
+    @abstractmethod
     def lines(self) -> Iterable[Line]:
         """Headings, sentences and equations, in order."""
-        raise NotImplementedError
 
     def explain(self) -> str:
         """Return the derivation step by step, as on the board, as plain text."""
