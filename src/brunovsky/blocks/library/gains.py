@@ -78,8 +78,8 @@ def vector_gains(
     ModelError
         If the numbers do not fit the chains.
     """
-    given = list(values) if isinstance(values, Sequence | np.ndarray) and not isinstance(values, str) else [values]
-    shared = all(np.ndim(one) == 0 for one in given)
+    given = list(values) if np.iterable(values) else [values]
+    shared = not any(np.iterable(one) for one in given)
     rows = [numbers(name, given)] * len(chains.orders) if shared else [numbers(name, row) for row in given]
     if shared and not chains.are_alike:
         raise ModelError(f"{name}: the chains are not alike and can't share one vector; give one for each of them")
@@ -129,7 +129,7 @@ def scalar_gains(
     ModelError
         If the numbers do not fit the chains.
     """
-    single = np.ndim(values) == 0
+    single = not np.iterable(values)
     row = numbers(name, [values] * len(chains.orders) if single else values)
     if len(row) != len(chains.orders):
         raise ModelError(f"{name}: {len(row)} value(s) for {len(chains.orders)} chain(s); give one, or one for each")
