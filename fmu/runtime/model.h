@@ -29,6 +29,11 @@ typedef struct {
     int (*start_check)(const double *p, int model_exchange);          /* index of the first check that fails, or -1 */
     int (*failure_check)(ARGUMENTS);                                  /* the same, of those that explain a failed step */
     const char *const *check_names, *const *check_messages;
+    int nk;                     /* clocks */
+    const char *const *k_names;
+    const int *q_clock;         /* clock of each sample, -1 if it has none */
+    const int *k_parameter;     /* parameter that is the clock's period, -1 if this is a number */
+    const double *k_period;     /* of each clock, by default */
 } Model;
 
 #ifndef ENGINE_API

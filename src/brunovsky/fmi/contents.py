@@ -19,8 +19,8 @@ from brunovsky.fmi.variables import scalar_variables
 from brunovsky.native import compile_library, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
 
-_RUNTIME = (*ENGINE_SOURCES, "instance.c", "fmi2.c")
-_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h")
+_RUNTIME = (*ENGINE_SOURCES, "instance.c", "variables.c", "state.c", "fmu.c", "fmi2.c")
+_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h", "variables.h", "fmu.h")
 SOURCE_FILES = ("model.c", "description.c", *_RUNTIME)
 """C files that make up the binary; the first two are generated."""
 
@@ -70,10 +70,11 @@ def description_source(block: Block, token: str) -> str:
             '#include "description.h"',
             "",
             _table("char *const", "m_names", modes),
+            _table("char *const", "z_names", [f'"indicator {k}"' for k in range(1, len(block.indicators) + 1)]),
             _table("Type", "y_types", [types[one.name] for one in block.outputs], "REAL"),
             _table("int", "p_tunable", [str(int(one.tunable)) for one in block.parameters]),
             "",
-            f'const Description brunovsky_description = {{"{token}", m_names, y_types, p_tunable}};',
+            f'const Description brunovsky_description = {{"{token}", m_names, z_names, y_types, p_tunable, 0}};',
             "",
         ]
     )

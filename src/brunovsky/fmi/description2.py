@@ -13,6 +13,7 @@ from brunovsky.fmi.variables import SOLVERS, ScalarVariable, scalar_variables
 
 LOG_CATEGORIES = {
     "logEvents": "changes of states, samples and modes at events",
+    "logSingularity": "singular becomes true or false",
     "logStatusWarning": "warnings; always logged",
     "logStatusDiscard": "calls with status fmi2Discard; always logged",
     "logStatusError": "calls with status fmi2Error; always logged",
