@@ -58,6 +58,12 @@ static int refused_exchange(const Fmu *fmu, const char *function, int phases)
     return fmu_refused_to(fmu, function, 1 << MODEL_EXCHANGE, phases);
 }
 
+/* The same for a function that only co-simulation has. */
+static int refused_simulation(const Fmu *fmu, const char *function, int phases)
+{
+    return fmu_refused_to(fmu, function, 1 << CO_SIMULATION, phases);
+}
+
 static int missing(const Fmu *fmu, const char *function, size_t count, const void *first, const void *second)
 {
     return fmu_missing(fmu, function, count, first, second);
@@ -400,7 +406,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     (void)vr;
     (void)order;
     (void)value;
-    if (refused(fmu, __func__, INSTANTIATED | INITIALIZATION | STEP))
+    if (refused_simulation(fmu, __func__, INSTANTIATED | INITIALIZATION | STEP))
         return fmi2Error;
     return nvr ? fail(fmu, __func__, "inputs are held over a step, not interpolated (canInterpolateInputs is false)") : fmi2OK;
 }
@@ -412,7 +418,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     (void)vr;
     (void)order;
     (void)value;
-    if (refused(fmu, __func__, STEP | TERMINATED))
+    if (refused_simulation(fmu, __func__, STEP | TERMINATED))
         return fmi2Error;
     return nvr ? fail(fmu, __func__, "derivatives of outputs are not provided (maxOutputDerivativeOrder is 0)") : fmi2OK;
 }
@@ -422,7 +428,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2DoStepStatus)
         return fail(fmu, __func__, "only fmi2DoStepStatus is a status");
@@ -433,7 +439,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2LastSuccessfulTime)
         return fail(fmu, __func__, "only fmi2LastSuccessfulTime is a Real status");
@@ -446,7 +452,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
     const Fmu *fmu = c;
     (void)s;
     (void)value;
-    if (refused(fmu, __func__, STATUS_PHASES))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES))
         return fmi2Error;
     return fail(fmu, __func__, "there is no Integer status");
 }
@@ -454,7 +460,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2Terminated)
         return fail(fmu, __func__, "only fmi2Terminated is a Boolean status");
@@ -465,7 +471,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2PendingStatus)
         return fail(fmu, __func__, "only fmi2PendingStatus is a String status");
