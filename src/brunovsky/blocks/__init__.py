@@ -37,6 +37,7 @@ from brunovsky.blocks.linearized import inner_loop, linearized_block, plant_bloc
 from brunovsky.blocks.variables import (
     TIME,
     Check,
+    Clock,
     Input,
     Mode,
     Output,
@@ -55,6 +56,7 @@ __all__ = [
     "Block",
     "Chains",
     "Check",
+    "Clock",
     "Diagram",
     "Input",
     "Mode",

@@ -11,9 +11,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
 import sympy as sp
 
 from brunovsky._frozen import FrozenMapping
+from brunovsky.errors import ParameterError
 
 TIME = sp.Symbol("t", real=True)
 """Time in s, the independent variable of every expression."""
@@ -57,9 +59,13 @@ class Variable:
 
 @dataclass(frozen=True)
 class Input(Variable):
-    """A value set from outside, held between two settings; ``start`` is its value before the first one."""
+    """A value set from outside, held between two settings; ``start`` is its value before the first one.
+
+    ``nominal`` is the magnitude that is typical of it, in its unit.
+    """
 
     start: float = 0.0
+    nominal: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -74,24 +80,59 @@ class Parameter(Variable):
 
 @dataclass(frozen=True)
 class State(Variable):
-    """A continuous state: ``derivative`` in time, ``start`` as a function of parameters."""
+    """A continuous state: ``derivative`` in time, ``start`` as a function of parameters.
+
+    ``nominal`` is the magnitude that is typical of it, in its unit; the tolerance of an adaptive solver refers to it.
+    """
 
     derivative: sp.Expr = sp.S.Zero
     start: sp.Expr = sp.S.Zero
+    nominal: float = 1.0
+
+
+@dataclass(frozen=True)
+class Clock:
+    """What makes samples happen: every ``period`` seconds, unless an importer of the FMU ticks it at other instants.
+
+    Parameters
+    ----------
+    name : str
+        Structured name, unique in its block.
+    description : str
+        One line for people.
+    period : sympy.Expr
+        A positive number, or the symbol of a parameter that is not tunable, s.
+    """
+
+    name: str
+    description: str = ""
+    period: sp.Expr = sp.S.One
+
+    @property
+    def symbol(self) -> sp.Symbol:
+        """Symbol that no other variable may have; expressions do not use it."""
+        return symbol(self.name)
+
+    @property
+    def unit(self) -> str:
+        """Unit of the period."""
+        return "s"
 
 
 @dataclass(frozen=True)
 class Sample(Variable):
-    """A discrete state, updated every ``period`` seconds and held between.
+    """A discrete state, updated every ``period`` seconds or when its ``clock`` ticks, and held between.
 
-    ``update`` and all other updates of the same block see the values from before the instant. ``rank`` orders
+    ``clock`` is the name of a clock of the block, whose period the block then fills in; without either the period is
+    1 s. ``update`` and all other updates of the same block see the values from before the instant. ``rank`` orders
     the samples of a diagram: those of a lower rank are updated first and seen by the higher ones.
     """
 
     update: sp.Expr = sp.S.Zero
     start: sp.Expr = sp.S.Zero
-    period: sp.Expr = sp.S.One
+    period: sp.Expr = None
     rank: int = 0
+    clock: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,10 +144,14 @@ class Mode(Variable):
 
 @dataclass(frozen=True)
 class Output(Variable):
-    """A value computed from the others: a real expression, or a Boolean one, which the block finds out."""
+    """A value computed from the others: a real expression, or a Boolean one, which the block finds out.
+
+    ``nominal`` is the magnitude that is typical of it, in its unit, where it is real.
+    """
 
     expression: sp.Expr | sp.logic.boolalg.Boolean = sp.S.Zero
     is_boolean: bool = False
+    nominal: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -156,3 +201,20 @@ class Check:
     condition: sp.logic.boolalg.Boolean
     message: str
     when: Literal["start", "model exchange", "failure"] = "start"
+
+
+def check_nominal(block: str, variable: Variable | Clock) -> None:
+    """Error if the variable has a nominal value that is not positive and finite; ``block`` is the name for messages.
+
+    Raises
+    ------
+    ParameterError
+        If so.
+    """
+    value = getattr(variable, "nominal", 1.0)
+    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    if not number or not 0 < value < float("inf"):
+        raise ParameterError(
+            f"{block}: the nominal value of '{variable.name}' is {value!r}; it is the magnitude that is typical of the "
+            "variable, a positive finite number"
+        )
