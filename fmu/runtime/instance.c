@@ -580,7 +580,7 @@ Result instance_get_nominals(Instance *instance, double *nominals, size_t count)
 {
     const Result result = counted(instance, "nominals of continuous states", count, instance->engine->model->nx);
     for (size_t i = 0; result == DONE && i < count; i++)
-        nominals[i] = 1;
+        nominals[i] = instance->engine->model->x_nominal[i];
     return result;
 }
 

@@ -14,6 +14,7 @@ import fmpy
 
 from brunovsky._resources import resource, runtime_folder
 from brunovsky.blocks import Block
+from brunovsky.errors import ModelError
 from brunovsky.fmi.description2 import model_description
 from brunovsky.fmi.variables import scalar_variables
 from brunovsky.native import compile_library, model_source
@@ -42,12 +43,13 @@ def fmu_files(block: Block) -> Mapping[str, bytes]:
     Raises
     ------
     ModelError
-        If the block uses a name that every FMU has.
+        If the block uses a name that every FMU has, or has clocks, which FMI 2 does not know.
     CompilerError
         If there is no C compiler or it fails.
     """
     from brunovsky import __version__  # known only when the package is imported whole
 
+    _refuse_clocks(block)
     blank = model_description(block, "", SOURCE_FILES, __version__)
     model = model_source(block)
     runtime = {name: (runtime_folder() / name).read_bytes() for name in (*_RUNTIME, *_HEADERS)}
@@ -58,6 +60,15 @@ def fmu_files(block: Block) -> Mapping[str, bytes]:
     files["modelDescription.xml"] = model_description(block, token, SOURCE_FILES, __version__)
     files[f"binaries/{fmpy.platform}/{block.name}{fmpy.sharedLibraryExtension}"] = _binary(block.name, sources)
     return MappingProxyType(files)
+
+
+def _refuse_clocks(block: Block) -> None:
+    if block.clocks:
+        names = ", ".join(one.name for one in block.clocks)
+        raise ModelError(
+            f"{block.name} has clocks ({names}), which FMI 2 does not know; export it with fmi_version=3, or give its "
+            "samples a period instead, as sliding_mode_sampled does in place of sliding_mode_clocked"
+        )
 
 
 def description_source(block: Block, token: str) -> str:
