@@ -15,6 +15,7 @@ import fmpy
 from brunovsky._resources import resource, runtime_folder
 from brunovsky.blocks import Block
 from brunovsky.fmi.description2 import model_description
+from brunovsky.fmi.structure import dependency_tables
 from brunovsky.fmi.variables import scalar_variables
 from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
@@ -62,7 +63,8 @@ def fmu_files(block: Block) -> Mapping[str, bytes]:
 
 def description_source(block: Block, token: str) -> str:
     """C text of what the runtime needs of the description: ``brunovsky_description`` of ``description.h``."""
-    types = {one.name: _TYPES[one.type] for one in scalar_variables(block) if one.causality == "output"}
+    variables = scalar_variables(block)
+    types = {one.name: _TYPES[one.type] for one in variables if one.causality == "output"}
     modes = [f'"{one.name}"' for one in block.modes]
     return "\n".join(
         [
@@ -72,8 +74,12 @@ def description_source(block: Block, token: str) -> str:
             _table("char *const", "m_names", modes),
             _table("Type", "y_types", [types[one.name] for one in block.outputs], "REAL"),
             _table("int", "p_tunable", [str(int(one.tunable)) for one in block.parameters]),
+            *dependency_tables(block, variables),
             "",
-            f'const Description brunovsky_description = {{"{token}", m_names, y_types, p_tunable}};',
+            "const Description brunovsky_description = {",
+            f'    "{token}", m_names, y_types, p_tunable, initial, running,',
+            "    sizeof initial / sizeof *initial - 1, sizeof running / sizeof *running - 1,",
+            "};",
             "",
         ]
     )
