@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sensitivity.h"
 #include "variables.h"
 
 #define DEFAULT_STEP_SIZE 1e-3
@@ -32,7 +33,8 @@ Instance *instance_new(Interface interface)
     instance->engine = engine_new(model, DEFAULT_STEP_SIZE);
     instance->dx = calloc((size_t)(2 * model->nx + model->nz + model->nq + model->nk) + 1, sizeof *instance->dx);
     instance->side = calloc((size_t)(model->nz + model->nr + 2 * model->nm + model->ny) + 1, sizeof *instance->side);
-    if (!instance->engine || !instance->dx || !instance->side) {
+    instance->sensitivity = sensitivity_new();
+    if (!instance->engine || !instance->dx || !instance->side || !instance->sensitivity) {
         instance_free(instance);
         return NULL;
     }
@@ -54,12 +56,13 @@ void instance_free(Instance *instance)
     engine_free(instance->engine);
     free(instance->dx);
     free(instance->side);
+    free(instance->sensitivity);
     free(instance);
 }
 
 void instance_outdate(Instance *instance)
 {
-    instance->outputs_current = instance->derivatives_current = 0;
+    instance->outputs_current = instance->derivatives_current = instance->entries_current = 0;
 }
 
 void instance_reset(Instance *instance)

@@ -43,6 +43,8 @@ typedef struct {
     void *master;
 } Listener;
 
+typedef struct Sensitivity Sensitivity;
+
 typedef struct {
     Engine *engine;
     Interface interface;
@@ -50,6 +52,8 @@ typedef struct {
     Phase phase;
     double start, stop; /* of the experiment; HUGE_VAL if the end is open */
     int parameters_checked, started, relations_current, outputs_current, derivatives_current; /* since the last change */
+    int entries_current; /* of the derivatives, likewise */
+    Sensitivity *sensitivity;
     int *side;          /* of each indicator at the last event: 1, -1, or 0 if it was zero */
     double *activation; /* of each clock: instant of its last activation, -HUGE_VAL before */
     double *dx, *z, *before;
