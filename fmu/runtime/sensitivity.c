@@ -329,8 +329,7 @@ Result instance_adjoint(Instance *instance, const unsigned *unknowns, size_t n_u
 
 /* Dependencies ------------------------------------------------------------------------------------------------------ */
 
-/* Dependencies of an unknown: where they begin in the table of the present phase, and how many there are. */
-static const Dependency *dependencies_of(const Instance *instance, unsigned unknown, size_t *count)
+const Dependency *instance_dependencies(const Instance *instance, unsigned unknown, size_t *count)
 {
     const Description *description = &brunovsky_description;
     const int initial = (instance->phase & (INSTANTIATED | INITIALIZATION)) != 0;
@@ -351,23 +350,6 @@ Result instance_count_dependencies(Instance *instance, unsigned unknown, size_t 
         return instance_report(instance, FAILED, "there is no variable with value reference %u", unknown);
     if (kind < OUTPUT || kind == SAMPLE || kind == MODE)
         return instance_report(instance, FAILED, "%s is no unknown: it depends on nothing", variable_name(kind, index));
-    dependencies_of(instance, unknown, count);
-    return DONE;
-}
-
-Result instance_get_dependencies(Instance *instance, unsigned unknown, unsigned *knowns, DependencyKind *kinds, size_t count)
-{
-    size_t expected;
-    const Dependency *found = dependencies_of(instance, unknown, &expected);
-    const Result result = instance_count_dependencies(instance, unknown, &expected);
-    if (result != DONE)
-        return result;
-    if (count != expected)
-        return instance_report(instance, FAILED, "%lu dependencies were asked for, but there are %lu", (unsigned long)count,
-                      (unsigned long)expected);
-    for (size_t i = 0; i < count; i++) {
-        knowns[i] = found[i].known;
-        kinds[i] = found[i].kind;
-    }
+    instance_dependencies(instance, unknown, count);
     return DONE;
 }
