@@ -4,8 +4,8 @@
  * transitions until nothing changes. A communication step is cut at sample instants; each piece is integrated by one of
  * two methods: equal substeps that each begin with an event (rk4.c), or steps chosen by the tolerance and cut where a
  * relation changes (dormand_prince.c). On the way out relations are evaluated once more, so that outputs belong to the
- * state reached and to the inputs of the step; samples and transitions of that instant wait for the next step and its
- * inputs.
+ * state reached and to the inputs at the end of the step; samples and transitions of that instant wait for the next
+ * step and its inputs. Inputs are held, or vary over a step as their derivatives say (inputs.c).
  */
 #include "solver.h"
 
@@ -20,13 +20,13 @@
 
 static size_t doubles_saved(const Model *model)
 {
-    return 4 + (size_t)(model->nx + model->nq + model->nu + model->np);
+    return 4 + (size_t)(model->nx + model->nq + (1 + INPUT_ORDERS) * model->nu + model->np);
 }
 
 Engine *engine_new(const Model *model, double step_size)
 {
     const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
-    const size_t doubles = doubles_saved(model) + (size_t)model->ny + 9 * nx + 2 * nq + 1;
+    const size_t doubles = doubles_saved(model) + (size_t)(model->nu + model->ny) + 9 * nx + 2 * nq + 1;
     const size_t integers = (size_t)(2 * model->nm + 2 * model->nr) + 1;
     Engine *engine = calloc(1, sizeof *engine);
     double *store = calloc(doubles, sizeof *store);
@@ -52,7 +52,9 @@ Engine *engine_new(const Model *model, double step_size)
     engine->q = engine->x + nx;
     engine->u = engine->q + nq;
     engine->p = engine->u + model->nu;
-    engine->y = engine->p + model->np;
+    engine->du = engine->p + model->np;
+    engine->u_begin = engine->du + INPUT_ORDERS * model->nu;
+    engine->y = engine->u_begin + model->nu;
     engine->work = engine->y + model->ny;
     engine->due = due;
     engine->m = flags;
@@ -77,7 +79,7 @@ size_t engine_state_size(const Engine *engine)
 {
     const Model *model = engine->model;
     return doubles_saved(model) * sizeof(double) + (size_t)model->nq * sizeof(long long) +
-           (size_t)(1 + model->nm + model->nr) * sizeof(int);
+           (size_t)(2 + model->nm + model->nr) * sizeof(int);
 }
 
 static void copy(char **bytes, void *values, size_t size, int restore)
@@ -96,9 +98,10 @@ static void transfer(Engine *engine, char *bytes, int restore)
     copy(&bytes, &engine->start_time, sizeof(double), restore);
     copy(&bytes, &engine->step_size, sizeof(double), restore);
     copy(&bytes, &engine->tolerance, sizeof(double), restore);
-    copy(&bytes, engine->x, (size_t)(model->nx + model->nq + model->nu + model->np) * sizeof(double), restore);
+    copy(&bytes, engine->x, (doubles_saved(model) - 4) * sizeof(double), restore); /* with q, u, p and du */
     copy(&bytes, engine->due, (size_t)model->nq * sizeof(long long), restore);
     copy(&bytes, &engine->solver, sizeof(int), restore);
+    copy(&bytes, &engine->given, sizeof(int), restore);
     copy(&bytes, engine->m, (size_t)model->nm * sizeof(int), restore);
     copy(&bytes, engine->r, (size_t)model->nr * sizeof(int), restore);
 }
@@ -123,6 +126,9 @@ void engine_reset(Engine *engine)
         engine->p[i] = model->p_default[i];
     for (int i = 0; i < model->nu; i++)
         engine->u[i] = model->u_default[i];
+    for (int i = 0; i < INPUT_ORDERS * model->nu; i++)
+        engine->du[i] = 0;
+    engine->given = engine->varying = 0;
     for (int i = 0; i < model->nq; i++)
         engine->due[i] = 0;
     for (int i = 0; i < 2 * model->nm + model->nr; i++)
@@ -335,8 +341,11 @@ static int try_advance(Engine *engine, double stop)
 static int advance_to(Engine *engine, double stop)
 {
     engine_save(engine, engine->backup);
-    if (try_advance(engine, stop) == ENGINE_OK)
+    if (engine_begin_inputs(engine, stop) == ENGINE_OK && try_advance(engine, stop) == ENGINE_OK) {
+        engine_end_inputs(engine);
         return ENGINE_OK;
+    }
+    engine->varying = 0;
     engine_restore(engine, engine->backup);
     return ENGINE_FAILED;
 }

@@ -9,6 +9,7 @@
 enum { ENGINE_OK = 0, ENGINE_FAILED = 1 };
 enum { SOLVER_RK4 = 1, SOLVER_DORMAND_PRINCE = 2 };
 
+#define INPUT_ORDERS 3 /* derivatives of an input that a step follows */
 #define DEFAULT_TOLERANCE 1e-6
 #define LEAST_TOLERANCE 1e-13
 #define LARGEST_TOLERANCE 1.0
@@ -27,6 +28,9 @@ typedef struct {
     const char *reason; /* after a failure: name of the check that explains it, or "diverged" */
     char variable[128]; /* after a failure: where it showed */
     char message[512];  /* after a failure: what was wrong, where and when */
+    double *du;         /* derivatives of the inputs, INPUT_ORDERS of each: see inputs.c */
+    double *u_begin, begin; /* inputs and time at the beginning of a step over which they vary */
+    int given, varying; /* derivatives were given for the next step; inputs vary over this one */
 } Engine;
 
 ENGINE_API Engine *engine_new(const Model *model, double step_size); /* NULL if out of memory */
@@ -46,7 +50,11 @@ ENGINE_API int engine_event(Engine *engine);
 ENGINE_API void engine_relations(Engine *engine);
 ENGINE_API double engine_next_sample(const Engine *engine); /* instant of the next sample; HUGE_VAL if there is none */
 
-/* One communication step with the inputs held; on failure the state from before it is restored. */
+/* Derivative of an input, of order 1 to INPUT_ORDERS, where the next step begins; the others are 0. */
+ENGINE_API void engine_set_input_derivative(Engine *engine, int input, int order, double value);
+
+/* One communication step with the inputs held, or as their derivatives say; on failure the state from before it is
+ * restored. */
 ENGINE_API int engine_advance(Engine *engine, double length);
 
 ENGINE_API void engine_outputs(Engine *engine); /* into engine->y */
