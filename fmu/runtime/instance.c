@@ -1,5 +1,6 @@
 /* Life cycle, variables and events of an FMU. See instance.h; the equations and their semantics are in engine.c. */
 #include "instance.h"
+#include "output_derivatives.h"
 
 #include <float.h>
 #include <math.h>
@@ -32,8 +33,9 @@ Instance *instance_new(int model_exchange)
         return NULL;
     instance->engine = engine_new(model, DEFAULT_STEP_SIZE);
     instance->dx = calloc((size_t)(2 * model->nx + model->nz + model->nq) + 1, sizeof *instance->dx);
+    instance->dy = calloc((size_t)(brunovsky_output_derivatives.order * model->ny) + 1, sizeof *instance->dy);
     instance->side = calloc((size_t)(model->nz + model->nr + model->nm) + 1, sizeof *instance->side);
-    if (!instance->engine || !instance->dx || !instance->side) {
+    if (!instance->engine || !instance->dx || !instance->dy || !instance->side) {
         instance_free(instance);
         return NULL;
     }
@@ -52,13 +54,14 @@ void instance_free(Instance *instance)
         return;
     engine_free(instance->engine);
     free(instance->dx);
+    free(instance->dy);
     free(instance->side);
     free(instance);
 }
 
 static void outdate(Instance *instance)
 {
-    instance->outputs_current = instance->derivatives_current = 0;
+    instance->outputs_current = instance->derivatives_current = instance->output_derivatives_current = 0;
 }
 
 void instance_reset(Instance *instance)

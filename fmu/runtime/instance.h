@@ -33,7 +33,9 @@ typedef struct {
     double start, stop; /* of the experiment; HUGE_VAL if the end is open */
     int parameters_checked, started, relations_current, outputs_current, derivatives_current; /* since the last change */
     int *side; /* of each indicator at the last event: 1, -1, or 0 if it was zero */
+    int output_derivatives_current; /* the same */
     double *dx, *z, *before;
+    double *dy; /* time derivatives of all outputs, those of one order after another */
     int *r, *modes_before; /* work space, as the line above */
     char message[768];
 } Instance;
@@ -58,6 +60,13 @@ Result instance_exit_initialization(Instance *instance);
 Result instance_get(Instance *instance, Type type, unsigned reference, double *value);
 Result instance_admits(Instance *instance, Type type, unsigned reference, double value);
 void instance_set(Instance *instance, unsigned reference, double value);
+
+/* Time derivatives, from order 1 on (extrapolation.c). Of an input: those that the next communication step follows; to be
+ * set before it. Of an output: exact ones of the branch that relations are frozen in, with the derivatives of the inputs
+ * where the last step ended, or those set for the next one. */
+Result instance_admits_input_derivative(Instance *instance, unsigned reference, int order, double value);
+Result instance_set_input_derivative(Instance *instance, unsigned reference, int order, double value);
+Result instance_get_output_derivative(Instance *instance, unsigned reference, int order, double *value);
 
 /* Co-simulation: one communication step from time on. */
 Result instance_step(Instance *instance, double time, double length);
