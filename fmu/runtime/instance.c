@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "output_derivatives.h"
 #include "sensitivity.h"
 #include "variables.h"
 
@@ -32,9 +33,10 @@ Instance *instance_new(Interface interface)
         return NULL;
     instance->engine = engine_new(model, DEFAULT_STEP_SIZE);
     instance->dx = calloc((size_t)(2 * model->nx + model->nz + model->nq + model->nk) + 1, sizeof *instance->dx);
+    instance->dy = calloc((size_t)(brunovsky_output_derivatives.order * model->ny) + 1, sizeof *instance->dy);
     instance->side = calloc((size_t)(model->nz + model->nr + 2 * model->nm + model->ny) + 1, sizeof *instance->side);
     instance->sensitivity = sensitivity_new();
-    if (!instance->engine || !instance->dx || !instance->side || !instance->sensitivity) {
+    if (!instance->engine || !instance->dx || !instance->dy || !instance->side || !instance->sensitivity) {
         instance_free(instance);
         return NULL;
     }
@@ -55,6 +57,7 @@ void instance_free(Instance *instance)
         return;
     engine_free(instance->engine);
     free(instance->dx);
+    free(instance->dy);
     free(instance->side);
     free(instance->sensitivity);
     free(instance);
@@ -62,7 +65,8 @@ void instance_free(Instance *instance)
 
 void instance_outdate(Instance *instance)
 {
-    instance->outputs_current = instance->derivatives_current = instance->entries_current = 0;
+    instance->outputs_current = instance->derivatives_current = 0;
+    instance->entries_current = instance->output_derivatives_current = 0;
 }
 
 void instance_reset(Instance *instance)

@@ -20,10 +20,14 @@ from brunovsky.fmi.structure import dependency_tables
 from brunovsky.fmi.variables import scalar_variables
 from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
+from brunovsky.native.output_derivatives import output_derivatives_source
 
-_RUNTIME = (*ENGINE_SOURCES, "instance.c", "variables.c", "sensitivity.c", "state.c", "fmu.c", "fmi2.c")
-_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h", "variables.h", "jacobian.h", "sensitivity.h", "fmu.h")
-SOURCE_FILES = ("model.c", "jacobian.c", "description.c", *_RUNTIME)
+_RUNTIME = (*ENGINE_SOURCES, "instance.c", "variables.c", "extrapolation.c", "sensitivity.c", "state.c", "fmu.c", "fmi2.c")
+_HEADERS = (
+    *ENGINE_HEADERS, "description.h", "instance.h", "variables.h", "jacobian.h", "output_derivatives.h", "sensitivity.h",
+    "fmu.h",
+)  # fmt: skip
+SOURCE_FILES = ("model.c", "jacobian.c", "output_derivatives.c", "description.c", *_RUNTIME)
 """C files that make up the binary; the first three are generated."""
 
 _TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN"}
@@ -52,7 +56,11 @@ def fmu_files(block: Block) -> Mapping[str, bytes]:
 
     _refuse_clocks(block)
     blank = model_description(block, "", SOURCE_FILES, __version__)
-    generated = {"model.c": model_source(block).encode(), "jacobian.c": jacobian_source(block).encode()}
+    generated = {
+        "model.c": model_source(block).encode(),
+        "jacobian.c": jacobian_source(block).encode(),
+        "output_derivatives.c": output_derivatives_source(block).encode(),
+    }
     runtime = {name: (runtime_folder() / name).read_bytes() for name in (*_RUNTIME, *_HEADERS)}
     token = _token([blank, *generated.values(), *runtime.values()])
     sources = runtime | generated | {"description.c": description_source(block, token).encode()}
