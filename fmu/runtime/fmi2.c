@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "fmu.h"
+#include "sensitivity.h"
 
 const char *const TYPE_NAMES[] = {"Real", "Integer", "Boolean", "Enumeration", "Clock"};
 
@@ -232,16 +233,12 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[])
 {
-    const Fmu *fmu = c;
-    (void)vUnknown_ref;
-    (void)nUnknown;
-    (void)vKnown_ref;
-    (void)nKnown;
-    (void)dvKnown;
-    (void)dvUnknown;
-    if (refused(fmu, __func__, READABLE))
+    Fmu *fmu = c;
+    if (refused(fmu, __func__, READABLE) || missing(fmu, __func__, nUnknown, vUnknown_ref, dvUnknown) ||
+        missing(fmu, __func__, nKnown, vKnown_ref, dvKnown))
         return fmi2Error;
-    return fail(fmu, __func__, "directional derivatives are not provided (providesDirectionalDerivative is false)");
+    return status_of(fmu, __func__,
+                     instance_directional(fmu->instance, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown));
 }
 
 /* State of the FMU ------------------------------------------------------------------------------------------------- */
@@ -402,25 +399,33 @@ fmi2Status fmi2CancelStep(fmi2Component c)
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
                                        const fmi2Real value[])
 {
-    const Fmu *fmu = c;
-    (void)vr;
-    (void)order;
-    (void)value;
-    if (refused_simulation(fmu, __func__, INSTANTIATED | INITIALIZATION | STEP))
+    Fmu *fmu = c;
+    if (refused_simulation(fmu, __func__, INSTANTIATED | INITIALIZATION | STEP) || missing(fmu, __func__, nvr, vr, value) ||
+        missing(fmu, __func__, nvr, order, order))
         return fmi2Error;
-    return nvr ? fail(fmu, __func__, "inputs are held over a step, not interpolated (canInterpolateInputs is false)") : fmi2OK;
+    for (size_t i = 0; i < nvr; i++) {
+        const Result result = instance_admits_input_derivative(fmu->instance, vr[i], order[i], value[i]);
+        if (result != DONE)
+            return status_of(fmu, __func__, result);
+    }
+    for (size_t i = 0; i < nvr; i++)
+        instance_set_input_derivative(fmu->instance, vr[i], order[i], value[i]);
+    return fmi2OK;
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
                                         fmi2Real value[])
 {
-    const Fmu *fmu = c;
-    (void)vr;
-    (void)order;
-    (void)value;
-    if (refused_simulation(fmu, __func__, STEP | TERMINATED))
+    Fmu *fmu = c;
+    if (refused_simulation(fmu, __func__, STEP | TERMINATED) ||
+        missing(fmu, __func__, nvr, vr, value) || missing(fmu, __func__, nvr, order, order))
         return fmi2Error;
-    return nvr ? fail(fmu, __func__, "derivatives of outputs are not provided (maxOutputDerivativeOrder is 0)") : fmi2OK;
+    for (size_t i = 0; i < nvr; i++) {
+        const Result result = instance_get_output_derivative(fmu->instance, vr[i], order[i], &value[i]);
+        if (result != DONE)
+            return status_of(fmu, __func__, result);
+    }
+    return fmi2OK;
 }
 
 #define STATUS_PHASES (STEP | TERMINATED)

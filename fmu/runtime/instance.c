@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "output_derivatives.h"
+#include "sensitivity.h"
 #include "variables.h"
 
 #define DEFAULT_STEP_SIZE 1e-3
@@ -31,8 +33,10 @@ Instance *instance_new(Interface interface)
         return NULL;
     instance->engine = engine_new(model, DEFAULT_STEP_SIZE);
     instance->dx = calloc((size_t)(2 * model->nx + model->nz + model->nq + model->nk) + 1, sizeof *instance->dx);
+    instance->dy = calloc((size_t)(brunovsky_output_derivatives.order * model->ny) + 1, sizeof *instance->dy);
     instance->side = calloc((size_t)(model->nz + model->nr + 2 * model->nm + model->ny) + 1, sizeof *instance->side);
-    if (!instance->engine || !instance->dx || !instance->side) {
+    instance->sensitivity = sensitivity_new();
+    if (!instance->engine || !instance->dx || !instance->dy || !instance->side || !instance->sensitivity) {
         instance_free(instance);
         return NULL;
     }
@@ -53,13 +57,16 @@ void instance_free(Instance *instance)
         return;
     engine_free(instance->engine);
     free(instance->dx);
+    free(instance->dy);
     free(instance->side);
+    free(instance->sensitivity);
     free(instance);
 }
 
 void instance_outdate(Instance *instance)
 {
     instance->outputs_current = instance->derivatives_current = 0;
+    instance->entries_current = instance->output_derivatives_current = 0;
 }
 
 void instance_reset(Instance *instance)
@@ -583,7 +590,7 @@ Result instance_get_nominals(Instance *instance, double *nominals, size_t count)
 {
     const Result result = counted(instance, "nominals of continuous states", count, instance->engine->model->nx);
     for (size_t i = 0; result == DONE && i < count; i++)
-        nominals[i] = 1;
+        nominals[i] = instance->engine->model->x_nominal[i];
     return result;
 }
 

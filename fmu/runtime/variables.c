@@ -27,7 +27,7 @@ Kind variable_locate(unsigned reference, int *index)
     return UNKNOWN;
 }
 
-static Type type_of(Kind kind, int index)
+Type variable_type(Kind kind, int index)
 {
     if (kind == OUTPUT)
         return brunovsky_description.y_types[index];
@@ -72,9 +72,9 @@ Result variable_find(Instance *instance, int types, unsigned reference, Kind *ki
     *kind = variable_locate(reference, index);
     if (*kind == UNKNOWN)
         return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
-    if (!(type_of(*kind, *index) & types))
+    if (!(variable_type(*kind, *index) & types))
         return instance_report(instance, FAILED, "%s (value reference %u) is of type %s, not %s",
-                               variable_name(*kind, *index), reference, type_name((int)type_of(*kind, *index)),
+                               variable_name(*kind, *index), reference, type_name((int)variable_type(*kind, *index)),
                                type_name(types));
     return DONE;
 }
@@ -106,8 +106,7 @@ Result instance_get(Instance *instance, int types, unsigned reference, double *v
     return isfinite(*value) ? DONE : instance_not_finite(instance, variable_name(kind, index));
 }
 
-/* Index of the continuous state that a variable is, itself or as the output of the same name; -1 if it is none. */
-static int state_of(Kind kind, int index)
+int variable_state(Kind kind, int index)
 {
     const Model *model = &brunovsky_model;
     if (kind == STATE)
@@ -124,7 +123,7 @@ static Result settable(Instance *instance, Kind kind, int index)
 {
     const char *name = variable_name(kind, index);
     const int tunable = kind == PARAMETER && brunovsky_description.p_tunable[index];
-    if (instance->interface == MODEL_EXCHANGE && instance->phase & (EVENT | CONTINUOUS_TIME) && state_of(kind, index) >= 0)
+    if (instance->interface == MODEL_EXCHANGE && instance->phase & (EVENT | CONTINUOUS_TIME) && variable_state(kind, index) >= 0)
         return DONE;
     if (kind == TIME)
         return instance_report(instance, FAILED, "time is the independent variable and cannot be set as a variable");
@@ -186,7 +185,7 @@ void instance_set(Instance *instance, unsigned reference, double value)
     case STEP_SIZE: engine->step_size = value; break;
     case SOLVER: engine->solver = (int)value; break;
     case OUTPUT:
-    case STATE: engine->x[state_of(kind, index)] = value; break;
+    case STATE: engine->x[variable_state(kind, index)] = value; break;
     default: break;
     }
     instance->started = instance->relations_current = 0;

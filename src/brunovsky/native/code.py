@@ -47,7 +47,7 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
         return "0"
 
 
-class _Text:
+class BlockText:
     """Prints the functions of one block."""
 
     def __init__(self, block: Block) -> None:
@@ -76,6 +76,14 @@ class _Text:
         """Pure function that writes the expressions to the array ``out``."""
         targets = [f"{out}[{index}]" for index in range(len(expressions))]
         return _function(f"void {name}({arguments}, double *{out})", self.assignments(targets, expressions))
+
+    def program(self, header: str, statements: Iterable[tuple[sp.Symbol | str, sp.Basic]]) -> str:
+        """Function that makes assignments one after the other: symbols are declared, texts assigned to."""
+        lines = [
+            f"{'const double ' if isinstance(target, sp.Symbol) else ''}{target} = {self._printer.doprint(value)};"
+            for target, value in statements
+        ]
+        return _function(header, lines)
 
     def checks(self, name: str, conditions: Sequence[tuple[int, str, sp.Basic]], arguments: str) -> str:
         """Function that returns the index of the first condition that does not hold, or -1."""
@@ -125,7 +133,7 @@ def model_source(block: Block) -> str:
     str
         Defines ``const Model brunovsky_model`` of ``model.h``.
     """
-    text = _Text(block)
+    text = BlockText(block)
     starts = [one.start for one in block.states]
     start = _function(
         "void start(const double *p, double *x, double *q)",
@@ -197,6 +205,9 @@ def _tables(block: Block) -> list[str]:
     def numbers(kind: str, name: str, items: Iterable[float]) -> str:
         return f"static const {kind} {name}[] = {{{', '.join([*map(_number, items), '0'])}}};"
 
+    fixed = {one.symbol: index for index, one in enumerate(block.parameters)}
+    values = {one.symbol: sp.Float(one.value) for one in block.parameters}
+    clocks = {one.name: index for index, one in enumerate(block.clocks)}
     return [
         strings("p_names", (one.name for one in block.parameters)),
         strings("u_names", (one.name for one in block.inputs)),
@@ -211,6 +222,11 @@ def _tables(block: Block) -> list[str]:
         numbers("double", "u_default", (one.start for one in block.inputs)),
         numbers("int", "m_start", (one.start for one in block.modes)),
         numbers("int", "q_rank", (one.rank for one in block.samples)),
+        strings("k_names", (one.name for one in block.clocks)),
+        numbers("int", "k_parameter", (fixed.get(one.period, -1) for one in block.clocks)),
+        numbers("double", "k_period", (float(one.period.xreplace(values)) for one in block.clocks)),
+        numbers("int", "q_clock", (clocks.get(one.clock, -1) for one in block.samples)),
+        numbers("double", "x_nominal", (one.nominal for one in block.states)),
     ]
 
 
@@ -230,8 +246,10 @@ def _model(block: Block) -> str:
         "ny": block.outputs,
         "nz": block.indicators,
         "transitions": block.transitions,
+        "nk": block.clocks,
     }
     tables = "p_names u_names x_names q_names y_names p_default p_min p_max u_default m_start q_rank check_names"
+    tables += " k_names k_parameter k_period q_clock x_nominal"
     functions = "start periods derivatives outputs indicators relations updates fire start_check failure_check"
     names = f"{tables} check_messages {functions}".split()
     fields = [f".name = {_quoted(block.name)}"]

@@ -16,7 +16,7 @@ SANITIZERS = ("-O0", "-fsanitize=address,undefined,float-cast-overflow", "-fno-s
 PLAIN = ("-O1",)
 _FLAGS = ("-std=c99", "-g", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off")
 _WRAPPED = [f"-Wl,--wrap={name}" for name in ("malloc", "calloc", "realloc", "free")]
-_GENERATED = ("model.c", "description.c")
+_GENERATED = ("model.c", "jacobian.c", "output_derivatives.c", "description.c")
 _MAINS = ("fuzz.c", "memory.c")
 
 
