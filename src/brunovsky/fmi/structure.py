@@ -28,14 +28,15 @@ class Unknown:
 
 @dataclass(frozen=True)
 class ModelStructure:
-    """Outputs, state derivatives and the unknowns of initialisation, each ordered as the standard asks."""
+    """Outputs, state derivatives, unknowns of initialisation and event indicators, ordered as the standard asks."""
 
     outputs: tuple[Unknown, ...]
     derivatives: tuple[Unknown, ...]
     initial_unknowns: tuple[Unknown, ...]
+    event_indicators: tuple[Unknown, ...] = ()
 
 
-def model_structure(block: Block, variables: Sequence[ScalarVariable]) -> ModelStructure:
+def model_structure(block: Block, variables: Sequence[ScalarVariable], fmi_version: int = 2) -> ModelStructure:
     """Model structure of the FMU of a block whose table of variables this is."""
     expressions = {
         index: one.expression
@@ -44,6 +45,7 @@ def model_structure(block: Block, variables: Sequence[ScalarVariable]) -> ModelS
     }
     outputs = [index for index, one in enumerate(variables, 1) if one.causality == "output"]
     derivatives = [index for index, one in enumerate(variables, 1) if one.derivative_of]
+    indicators = [index for index, one in enumerate(variables, 1) if one.indicator] if fmi_version == 3 else []
     states = {one.symbol for one in block.states}
     initial = [
         index
@@ -74,7 +76,10 @@ def model_structure(block: Block, variables: Sequence[ScalarVariable]) -> ModelS
         )
 
     return ModelStructure(
-        tuple(map(running, outputs)), tuple(map(running, derivatives)), tuple(map(initially, sorted(initial)))
+        tuple(map(running, outputs)),
+        tuple(map(running, derivatives)),
+        tuple(map(initially, sorted(initial))),
+        tuple(map(running, indicators)),
     )
 
 
