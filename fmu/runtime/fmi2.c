@@ -19,6 +19,7 @@
 #include <string.h>
 
 #include "instance.h"
+#include "sensitivity.h"
 
 typedef struct {
     Instance *instance;
@@ -326,16 +327,12 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[])
 {
-    const Fmu *fmu = c;
-    (void)vUnknown_ref;
-    (void)nUnknown;
-    (void)vKnown_ref;
-    (void)nKnown;
-    (void)dvKnown;
-    (void)dvUnknown;
-    if (refused(fmu, __func__, READABLE))
+    Fmu *fmu = c;
+    if (refused(fmu, __func__, READABLE) || missing(fmu, __func__, nUnknown, vUnknown_ref, dvUnknown) ||
+        missing(fmu, __func__, nKnown, vKnown_ref, dvKnown))
         return fmi2Error;
-    return fail(fmu, __func__, "directional derivatives are not provided (providesDirectionalDerivative is false)");
+    return status_of(fmu, __func__,
+                     instance_directional(fmu->instance, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown));
 }
 
 /* State of the FMU ------------------------------------------------------------------------------------------------- */

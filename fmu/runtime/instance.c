@@ -8,14 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sensitivity.h"
+#include "variables.h"
+
 #define DEFAULT_STEP_SIZE 1e-3
 #define MIN_STEP_SIZE 1e-9
 #define TIME_ROUNDING 1e-6  /* part of a step by which the master's time may differ from the instance's */
 #define INDICATOR_SHIFT 1e-12 /* an indicator is this far from zero after its event, as FMI recommends */
 
-typedef enum { TIME, STEP_SIZE, SOLVER, PARAMETER, INPUT, OUTPUT, STATE, SAMPLE, MODE, DERIVATIVE, UNKNOWN } Kind;
-
-static Result report(Instance *instance, Result result, const char *format, ...)
+Result report(Instance *instance, Result result, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -33,7 +34,8 @@ Instance *instance_new(int model_exchange)
     instance->engine = engine_new(model, DEFAULT_STEP_SIZE);
     instance->dx = calloc((size_t)(2 * model->nx + model->nz + model->nq) + 1, sizeof *instance->dx);
     instance->side = calloc((size_t)(model->nz + model->nr + model->nm) + 1, sizeof *instance->side);
-    if (!instance->engine || !instance->dx || !instance->side) {
+    instance->sensitivity = sensitivity_new();
+    if (!instance->engine || !instance->dx || !instance->side || !instance->sensitivity) {
         instance_free(instance);
         return NULL;
     }
@@ -53,12 +55,13 @@ void instance_free(Instance *instance)
     engine_free(instance->engine);
     free(instance->dx);
     free(instance->side);
+    free(instance->sensitivity);
     free(instance);
 }
 
 static void outdate(Instance *instance)
 {
-    instance->outputs_current = instance->derivatives_current = 0;
+    instance->outputs_current = instance->derivatives_current = instance->entries_current = 0;
 }
 
 void instance_reset(Instance *instance)
@@ -97,7 +100,7 @@ Result instance_permits(Instance *instance, int phases)
 
 /* Variables ------------------------------------------------------------------------------------------------------- */
 
-static Kind locate(unsigned reference, int *index)
+Kind locate(unsigned reference, int *index)
 {
     const Model *model = &brunovsky_model;
     const struct {
@@ -117,14 +120,14 @@ static Kind locate(unsigned reference, int *index)
     return UNKNOWN;
 }
 
-static Type type_of(Kind kind, int index)
+Type type_of(Kind kind, int index)
 {
     if (kind == OUTPUT)
         return brunovsky_description.y_types[index];
     return kind == SOLVER || kind == MODE ? INTEGER : REAL;
 }
 
-static const char *name_of(Kind kind, int index)
+const char *name_of(Kind kind, int index)
 {
     const Model *model = &brunovsky_model;
     switch (kind) {
@@ -156,7 +159,7 @@ static Result find(Instance *instance, Type type, unsigned reference, Kind *kind
 }
 
 /* What explains a value that is not finite: the engine's diagnosis, which names the first output or derivative. */
-static Result not_finite(Instance *instance, const char *name)
+Result not_finite(Instance *instance, const char *name)
 {
     const Result result = instance->phase == CONTINUOUS_TIME ? DISCARDED : FAILED;
     if (engine_check_finite(instance->engine) != ENGINE_OK)
@@ -175,7 +178,7 @@ static Result check_parameters(Instance *instance)
 
 /* Makes what is calculated belong to the values set: start values before the run; relations too at a communication
  * point where inputs changed and in event mode, so that outputs are of the branch that belongs to these values. */
-static Result refresh(Instance *instance)
+Result refresh(Instance *instance)
 {
     Engine *engine = instance->engine;
     if (instance->phase == INITIALIZATION && !instance->started) {
@@ -233,7 +236,7 @@ Result instance_get(Instance *instance, Type type, unsigned reference, double *v
 }
 
 /* Index of the continuous state that a variable is, itself or as the output of the same name; -1 if it is none. */
-static int state_of(Kind kind, int index)
+int state_of(Kind kind, int index)
 {
     const Model *model = &brunovsky_model;
     if (kind == STATE)

@@ -26,12 +26,16 @@ typedef enum {
  * closer by. FAILED: refused. */
 typedef enum { DONE, WARNED, DISCARDED, FAILED } Result;
 
+typedef struct Sensitivity Sensitivity;
+
 typedef struct {
     Engine *engine;
     int model_exchange;
     Phase phase;
     double start, stop; /* of the experiment; HUGE_VAL if the end is open */
     int parameters_checked, started, relations_current, outputs_current, derivatives_current; /* since the last change */
+    int entries_current; /* of the derivatives, likewise */
+    Sensitivity *sensitivity;
     int *side; /* of each indicator at the last event: 1, -1, or 0 if it was zero */
     double *dx, *z, *before;
     int *r, *modes_before; /* work space, as the line above */

@@ -29,7 +29,7 @@ def test_both_interfaces_say_what_they_can(any_fmu):
     for one in (description.coSimulation, description.modelExchange):
         assert one.modelIdentifier == any_fmu.block.name
         assert one.canGetAndSetFMUstate and one.canSerializeFMUstate
-        assert not one.providesDirectionalDerivative and not one.canBeInstantiatedOnlyOncePerProcess
+        assert one.providesDirectionalDerivative and not one.canBeInstantiatedOnlyOncePerProcess
     assert description.coSimulation.canHandleVariableCommunicationStepSize
     assert not description.coSimulation.canInterpolateInputs
     assert not description.modelExchange.completedIntegratorStepNotNeeded

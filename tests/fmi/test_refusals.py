@@ -335,8 +335,6 @@ def test_what_is_not_provided_says_so(instance):
     instance.initialize()
     one, reference, value = ctypes.c_size_t(1), (ctypes.c_uint * 1)(12), (ctypes.c_double * 1)()
     order = (ctypes.c_int * 1)(1)
-    assert instance.call("GetDirectionalDerivative", reference, one, reference, one, value, value) == ERROR
-    assert "providesDirectionalDerivative is false" in instance.text
     assert instance.call("SetRealInputDerivatives", reference, one, order, value) == ERROR
     assert "canInterpolateInputs is false" in instance.text
     assert instance.call("GetRealOutputDerivatives", reference, one, order, value) == ERROR

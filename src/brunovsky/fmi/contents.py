@@ -16,13 +16,13 @@ from brunovsky._resources import resource, runtime_folder
 from brunovsky.blocks import Block
 from brunovsky.fmi.description2 import model_description
 from brunovsky.fmi.variables import scalar_variables
-from brunovsky.native import compile_library, model_source
+from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
 
-_RUNTIME = (*ENGINE_SOURCES, "instance.c", "fmi2.c")
-_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h")
-SOURCE_FILES = ("model.c", "description.c", *_RUNTIME)
-"""C files that make up the binary; the first two are generated."""
+_RUNTIME = (*ENGINE_SOURCES, "instance.c", "sensitivity.c", "fmi2.c")
+_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h", "jacobian.h", "sensitivity.h", "variables.h")
+SOURCE_FILES = ("model.c", "jacobian.c", "description.c", *_RUNTIME)
+"""C files that make up the binary; the first three are generated."""
 
 _TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN"}
 
@@ -49,10 +49,10 @@ def fmu_files(block: Block) -> Mapping[str, bytes]:
     from brunovsky import __version__  # known only when the package is imported whole
 
     blank = model_description(block, "", SOURCE_FILES, __version__)
-    model = model_source(block)
+    generated = {"model.c": model_source(block).encode(), "jacobian.c": jacobian_source(block).encode()}
     runtime = {name: (runtime_folder() / name).read_bytes() for name in (*_RUNTIME, *_HEADERS)}
-    token = _token([blank, model.encode(), *runtime.values()])
-    sources = runtime | {"model.c": model.encode(), "description.c": description_source(block, token).encode()}
+    token = _token([blank, *generated.values(), *runtime.values()])
+    sources = runtime | generated | {"description.c": description_source(block, token).encode()}
     files = {f"sources/{name}": text for name, text in sources.items()}
     files["documentation/licenses/brunovsky.txt"] = resource("LICENSE").read_bytes()  # of the runtime
     files["modelDescription.xml"] = model_description(block, token, SOURCE_FILES, __version__)

@@ -61,7 +61,7 @@ def _interfaces(root: etree._Element, name: str, source_files: Sequence[str]) ->
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "false",
+        "providesDirectionalDerivative": "true",
     }
     for tag, own in (
         ("ModelExchange", {"completedIntegratorStepNotNeeded": "false"}),

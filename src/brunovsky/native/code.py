@@ -47,7 +47,7 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
         return "0"
 
 
-class _Text:
+class BlockText:
     """Prints the functions of one block."""
 
     def __init__(self, block: Block) -> None:
@@ -125,7 +125,7 @@ def model_source(block: Block) -> str:
     str
         Defines ``const Model brunovsky_model`` of ``model.h``.
     """
-    text = _Text(block)
+    text = BlockText(block)
     starts = [one.start for one in block.states]
     start = _function(
         "void start(const double *p, double *x, double *q)",
