@@ -12,9 +12,9 @@ from brunovsky.fmi.variables import SOLVERS, ScalarVariable
 
 LOG_CATEGORIES = {
     "logEvents": "changes of states, samples and modes at events",
-    "logSingularity": "where a check of the model explains a failure, such as the singularity of a law",
-    "logStatusWarning": "warnings; always logged",
-    "logStatusDiscard": "calls with the status Discard; always logged",
+    "logSingularity": "singular becomes true or false",
+    "logStatusWarning": "warnings",
+    "logStatusDiscard": "calls with the status Discard",
     "logStatusError": "calls with the status Error; always logged",
     "logAll": "all of these",
 }
