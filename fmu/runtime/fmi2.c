@@ -511,7 +511,7 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal
     if (nx != (size_t)fmu->instance->engine->model->nx)
         return fail(fmu, __func__, "the number of continuous states is another one");
     for (size_t i = 0; i < nx; i++)
-        x_nominal[i] = 1;
+        x_nominal[i] = fmu->instance->engine->model->x_nominal[i];
     return fmi2OK;
 }
 

@@ -23,7 +23,8 @@ import brunovsky as br
 from brunovsky._resources import resource
 from brunovsky._suggest import unknown_name
 from brunovsky.errors import BrunovskyError
-from brunovsky.fmi import export_fmu, shipped_fmus, shipped_versions
+from brunovsky.fmi import export_fmu, shipped_fmus
+from brunovsky.fmi.contents import FMI_VERSIONS
 from brunovsky.linearization import gallery
 
 app = typer.Typer(
@@ -54,6 +55,7 @@ BLOCKS: Mapping[str, Callable[[], br.Block]] = {
         "sliding_mode",
         "sliding_mode_relay",
         "sliding_mode_sampled",
+        "sliding_mode_clocked",
         "super_twisting",
         "super_twisting_sampled",
         "integral_sliding_mode",
@@ -123,14 +125,15 @@ def build(
     platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
 ) -> None:
     """Build FMUs: co-simulation and model exchange in one file, no interpreter inside."""
-    chosen = {name: _known(name, BLOCKS, "block") for name in blocks or shipped_fmus()}
+    names = blocks or shipped_fmus(int(fmi) if fmi else None)
+    chosen = {name: _known(name, BLOCKS, "block") for name in names}
     with _progress() as progress:
         task = progress.add_task("building FMUs", total=len(chosen))
         paths = []
         for name, make in chosen.items():
             progress.update(task, description=f"building {name}")
             block = make()
-            for version in _versions(name, block, fmi, named=bool(blocks)):
+            for version in (int(fmi),) if fmi else _versions(name, block):
                 path = output / f"fmi{version}" / f"{name}.fmu"
                 paths.append(export_fmu(block, path, version, (platform.value,)))
             progress.advance(task)
@@ -139,10 +142,10 @@ def build(
         _say(str(path))
 
 
-def _versions(name: str, block: br.Block, fmi: FmiVersion | None, named: bool) -> list[int]:
-    """Versions to build a block in: the one asked for, if it has it or was named itself, else all that it has."""
-    has = shipped_versions(name) if name in shipped_fmus() else (3,) if block.clocks else (2, 3)
-    return [one for one in has if fmi is None or one == int(fmi)] or ([int(fmi)] if fmi and named else [])
+def _versions(name: str, block: br.Block) -> list[int]:
+    """Versions of FMI that a block is built in by default."""
+    listed = [version for version in FMI_VERSIONS if name in shipped_fmus(version)]
+    return listed or ([3] if block.clocks else list(FMI_VERSIONS))
 
 
 @app.command()

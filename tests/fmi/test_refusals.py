@@ -8,7 +8,9 @@ import pytest
 import sympy as sp
 from fmu_driver import ERROR, FUNCTIONS, OK, Driver
 
-from brunovsky.blocks import Block, Check, Mode, Output, Parameter, Transition, symbols
+from brunovsky.blocks import Block, Check, Mode, Output, Parameter, Transition, library, symbols
+from brunovsky.errors import ModelError
+from brunovsky.fmi import component, export_fmu
 
 
 @pytest.fixture
@@ -393,6 +395,15 @@ def test_states_of_others_are_refused(instance, exchange, loop):
     with Driver(loop.folder) as other:
         assert other.call("DeSerializeFMUstate", data, size, ctypes.byref(state)) == ERROR
         assert "the state is not one of this FMU" in other.text
+
+
+@pytest.mark.parametrize("export", [lambda block, path: export_fmu(block, path), lambda block, path: component(block)])
+def test_a_block_with_clocks_is_no_fmu_2(export, tmp_path):
+    for block in (library.sliding_mode_clocked(), library.closed_loop(library.sliding_mode_clocked())):
+        message = rf"{block.name} has clocks \((controller\.)?sampling\), which FMI 2 .* fmi_version=3, .*_sampled"
+        with pytest.raises(ModelError, match=message):
+            export(block, tmp_path / "clocked.fmu")
+    assert not list(tmp_path.iterdir())
 
 
 def test_per_cent_signs_reach_the_logger_doubled(exported):

@@ -133,7 +133,8 @@ class Block:
                 raise ModelError(f"{self.name}: '{variable.name}' and '{seen[variable.symbol]}' share a name or symbol")
             seen[variable.symbol] = variable.name
             unit_exponents(variable.unit)
-            check_nominal(self.name, variable)
+        for one in self.variables:
+            check_nominal(self.name, one)
 
     def _clock(self) -> None:
         clocks = checked_clocks(self.name, self.clocks, self.parameters, self.samples)

@@ -6,10 +6,11 @@ Names follow FMI's structured naming (``eta[1]``, ``robot.x``); the symbol a nam
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import sympy as sp
@@ -45,11 +46,14 @@ class Variable:
         Product of SI base units and rad with integer exponents, ``"1"`` if it has none.
     description : str
         One line for people.
+    nominal : float, keyword
+        Magnitude that is typical of a real variable, in its unit; absolute tolerances of solvers refer to it.
     """
 
     name: str
     unit: str = "1"
     description: str = ""
+    nominal: float = field(default=1.0, kw_only=True)
 
     @property
     def symbol(self) -> sp.Symbol:
@@ -57,15 +61,16 @@ class Variable:
         return symbol(self.name)
 
 
+def described(one: Variable) -> dict[str, Any]:
+    """What all variables have in common, as keywords for another one that stands for the same quantity."""
+    return {item.name: getattr(one, item.name) for item in dataclasses.fields(Variable)}
+
+
 @dataclass(frozen=True)
 class Input(Variable):
-    """A value set from outside, held between two settings; ``start`` is its value before the first one.
-
-    ``nominal`` is the magnitude that is typical of it, in its unit.
-    """
+    """A value set from outside, held between two settings; ``start`` is its value before the first one."""
 
     start: float = 0.0
-    nominal: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -80,14 +85,10 @@ class Parameter(Variable):
 
 @dataclass(frozen=True)
 class State(Variable):
-    """A continuous state: ``derivative`` in time, ``start`` as a function of parameters.
-
-    ``nominal`` is the magnitude that is typical of it, in its unit; the tolerance of an adaptive solver refers to it.
-    """
+    """A continuous state: ``derivative`` in time, ``start`` as a function of parameters."""
 
     derivative: sp.Expr = sp.S.Zero
     start: sp.Expr = sp.S.Zero
-    nominal: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -144,14 +145,10 @@ class Mode(Variable):
 
 @dataclass(frozen=True)
 class Output(Variable):
-    """A value computed from the others: a real expression, or a Boolean one, which the block finds out.
-
-    ``nominal`` is the magnitude that is typical of it, in its unit, where it is real.
-    """
+    """A value computed from the others: a real expression, or a Boolean one, which the block finds out."""
 
     expression: sp.Expr | sp.logic.boolalg.Boolean = sp.S.Zero
     is_boolean: bool = False
-    nominal: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -203,15 +200,15 @@ class Check:
     when: Literal["start", "model exchange", "failure"] = "start"
 
 
-def check_nominal(block: str, variable: Variable | Clock) -> None:
-    """Error if the variable has a nominal value that is not positive and finite; ``block`` is the name for messages.
+def check_nominal(block: str, variable: Variable) -> None:
+    """Error if the nominal value of a variable is not positive and finite; ``block`` is the name for messages.
 
     Raises
     ------
     ParameterError
         If so.
     """
-    value = getattr(variable, "nominal", 1.0)
+    value = variable.nominal
     number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
     if not number or not 0 < value < float("inf"):
         raise ParameterError(

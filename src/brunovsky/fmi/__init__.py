@@ -3,7 +3,7 @@
 from brunovsky.fmi.archive import export_fmu
 from brunovsky.fmi.component import component
 from brunovsky.fmi.instances import ComponentError
-from brunovsky.fmi.manifest import shipped_block, shipped_fmus, shipped_versions
+from brunovsky.fmi.manifest import shipped_block, shipped_fmus
 from brunovsky.fmi.structure import ModelStructure, Unknown, model_structure
 from brunovsky.fmi.variables import ScalarVariable, scalar_variables
 
@@ -18,5 +18,4 @@ __all__ = [
     "scalar_variables",
     "shipped_block",
     "shipped_fmus",
-    "shipped_versions",
 ]

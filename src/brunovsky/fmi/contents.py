@@ -56,8 +56,8 @@ def check_version(block: Block, fmi_version: int, arrays: bool = False) -> None:
     if fmi_version == 2 and block.clocks:
         names = ", ".join(one.name for one in block.clocks)
         raise ModelError(
-            f"{block.name} has clocks ({names}), which FMI 2 does not know; "
-            "use fmi_version=3, or give its samples a period instead"
+            f"{block.name} has clocks ({names}), which FMI 2 does not know; export it with fmi_version=3, or give its "
+            "samples a period instead, as sliding_mode_sampled does in place of sliding_mode_clocked"
         )
 
 
