@@ -8,11 +8,21 @@
 
 typedef enum { REAL, INTEGER, BOOLEAN } Type;
 
+typedef enum { CONSTANT = 1, FIXED, TUNABLE, DISCRETE, DEPENDENT } DependencyKind; /* of FMI 3, by its numbers */
+
+/* That an unknown depends on a known, by value references of scalars. */
+typedef struct {
+    unsigned unknown, known;
+    DependencyKind kind;
+} Dependency;
+
 typedef struct {
     const char *token;           /* identifies the description: the guid of FMI 2 */
     const char *const *m_names;
     const Type *y_types;
     const int *p_tunable;        /* 0 or 1 */
+    const Dependency *initial, *running; /* of initialization mode and afterwards, unknown by unknown */
+    int n_initial, n_running;
 } Description;
 
 extern const Description brunovsky_description;

@@ -17,6 +17,7 @@ from brunovsky.blocks import Block
 from brunovsky.errors import ModelError, ParameterError
 from brunovsky.fmi import description2, description3
 from brunovsky.fmi.arrays import array_variables, spans
+from brunovsky.fmi.structure import dependency_tables
 from brunovsky.fmi.variables import reference_offsets, scalar_variables
 from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
@@ -124,7 +125,10 @@ def description_source(block: Block, token: str, arrays: bool = False) -> str:
     ]
     if lengths:
         tables.append(_table("unsigned", "spans", map(str, lengths)))
-    fields = {"token": f'"{token}"', **{name: name for name in ("m_names", "z_names", "y_types", "p_tunable")}}
+    tables += dependency_tables(block, variables)
+    fields = {"token": f'"{token}"'}
+    fields |= {name: name for name in ("m_names", "z_names", "y_types", "p_tunable", "initial", "running")}
+    fields |= {f"n_{name}": f"sizeof {name} / sizeof *{name} - 1" for name in ("initial", "running")}
     fields["spans"] = "spans" if lengths else "0"
     return "\n".join(
         [

@@ -162,11 +162,6 @@ def _structure(root: etree._Element, block: Block, variables: Sequence[ArrayVari
     scalars = [element for one in variables for element in one.elements]
     shown = {element.name: one for one in variables for element in one.elements}
     owners = [shown[element.name].first.reference for element in scalars]
-    ticks = {  # a clocked variable depends on its clocks
-        one.first.reference: {clock.reference: "dependent" for clock in scalars if clock.name in one.first.clocks}
-        for one in variables
-        if one.first.clocks
-    }
     clocked = {index for index, one in enumerate(scalars, 1) if one.clocks}
     structure = model_structure(block, scalars, fmi_version=3)
     parent = etree.SubElement(root, "ModelStructure")
@@ -177,7 +172,6 @@ def _structure(root: etree._Element, block: Block, variables: Sequence[ArrayVari
         ("EventIndicator", structure.event_indicators),
     ):
         for reference, kinds in _merged(unknowns, owners).items():
-            kinds |= ticks.get(reference, {})
             etree.SubElement(
                 parent,
                 tag,

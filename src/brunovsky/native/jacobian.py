@@ -6,9 +6,10 @@ acts. Only entries that are not identically zero exist.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import count
 
 import sympy as sp
 
@@ -32,9 +33,12 @@ class SparseMatrix:
     columns: tuple[int, ...]
     entries: tuple[sp.Expr, ...]
 
-    def row(self, index: int) -> dict[int, sp.Expr]:
-        """Entries of one row by column."""
-        return {j: one for i, j, one in zip(self.rows, self.columns, self.entries, strict=True) if i == index}
+    def by_row(self, count: int) -> list[dict[int, sp.Expr]]:
+        """Entries of each of so many rows by column."""
+        found: list[dict[int, sp.Expr]] = [{} for _ in range(count)]
+        for i, j, entry in zip(self.rows, self.columns, self.entries, strict=True):
+            found[i][j] = entry
+        return found
 
 
 @dataclass(frozen=True)
@@ -86,14 +90,33 @@ def jacobian(block: Block) -> BlockJacobian:
     )
 
 
-def _differentiated(rows: Iterable[sp.Basic], knowns: Sequence[sp.Symbol]) -> SparseMatrix:
+def _differentiated(rows: Sequence[sp.Basic], knowns: Sequence[sp.Symbol]) -> SparseMatrix:
+    """Derivatives of the rows, by the chain rule through their common subexpressions, each differentiated once."""
+    common, reduced = sp.cse(list(rows), symbols=(sp.Dummy(real=True) for _ in count()))
+    totals = {known: {known: sp.S.One} for known in knowns}
+    for name, expression in common:
+        totals[name] = _total(expression, totals)
+    whole: dict[sp.Symbol, sp.Basic] = {}
+    for name, expression in common:
+        whole[name] = expression.xreplace(whole)
     found = []
-    for i, expression in enumerate(rows):
-        symbols = sp.sympify(expression).free_symbols
+    for i, expression in enumerate(reduced):
+        total = _total(expression, totals)
         for j, known in enumerate(knowns):
-            if known in symbols and (entry := sp.diff(expression, known)) != 0:
+            if known in total and (entry := total[known].xreplace(whole)) != 0:
                 found.append((i, j, entry))
     return SparseMatrix(*(tuple(one[k] for one in found) for k in range(3)))
+
+
+def _total(expression: sp.Basic, totals: Mapping[sp.Symbol, Mapping[sp.Symbol, sp.Expr]]) -> dict[sp.Symbol, sp.Expr]:
+    """Total derivatives of an expression in symbols whose own are known; a condition has none."""
+    terms: dict[sp.Symbol, list[sp.Expr]] = {}
+    symbols = expression.free_symbols if isinstance(expression, sp.Expr) else set()
+    for one in (one for one in totals if one in symbols and totals[one]):
+        partial = sp.diff(expression, one)
+        for known, total in totals[one].items() if partial != 0 else ():
+            terms.setdefault(known, []).append(partial * total)
+    return {known: sp.Add(*products) for known, products in terms.items()}
 
 
 def jacobian_source(block: Block) -> str:
