@@ -260,7 +260,7 @@ static int cut(const Step *step, double fraction)
     interpolate(step, fraction, step->inside);
     engine->time += fraction * step->size;
     memcpy(engine->x, step->inside, (size_t)engine->model->nx * sizeof(double));
-    return engine_settle(engine);
+    return engine->pause_at_event ? ENGINE_OK : engine_settle(engine);
 }
 
 int dormand_prince_integrate(Engine *engine, double stop)
@@ -310,6 +310,9 @@ int dormand_prince_integrate(Engine *engine, double stop)
             events++;
             fresh = 1;
         }
+        if (engine_pause(engine) != ENGINE_OK)
+            return ENGINE_PAUSED;
+        fresh = fresh || engine->inputs_set;
         if (check_effort(engine, steps, events) != ENGINE_OK)
             return ENGINE_FAILED;
     }

@@ -60,8 +60,9 @@ int rk4_integrate(Engine *engine, double stop)
             return ENGINE_FAILED;
         if (rk4_step(engine, size) != ENGINE_OK)
             return ENGINE_FAILED;
-        engine->time = begin + (double)(i + 1) * size;
+        engine->time = i + 1 < count ? begin + (double)(i + 1) * size : stop;
+        if (engine_pause(engine) != ENGINE_OK)
+            return ENGINE_PAUSED;
     }
-    engine->time = stop;
     return ENGINE_OK;
 }

@@ -61,14 +61,14 @@ static Result row_of(Instance *instance, unsigned reference, int *row)
     const Model *model = instance->engine->model;
     const int initial = instance->phase == INITIALIZATION;
     int index;
-    const Kind kind = locate(reference, &index);
+    const Kind kind = variable_locate(reference, &index);
     *row = kind == DERIVATIVE ? index : kind == OUTPUT ? model->nx + index : model->nx + model->ny + index;
     if (kind == UNKNOWN)
-        return report(instance, FAILED, "there is no variable with value reference %u", reference);
-    if (kind == DERIVATIVE || (kind == OUTPUT && type_of(kind, index) == REAL) || (kind == STATE && initial))
+        return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
+    if (kind == DERIVATIVE || (kind == OUTPUT && variable_type(kind, index) == REAL) || (kind == STATE && initial))
         return DONE;
-    return report(instance, FAILED, "%s is no unknown: derivatives are of Real outputs and state derivatives%s",
-                  name_of(kind, index), initial ? ", and of states" : "");
+    return instance_report(instance, FAILED, "%s is no unknown: derivatives are of Real outputs and state derivatives%s",
+                  variable_name(kind, index), initial ? ", and of states" : "");
 }
 
 /* Column of a known, -1 if nothing depends on it; FAILED if it is none. */
@@ -77,11 +77,11 @@ static Result column_of(Instance *instance, unsigned reference, int *column)
     const Model *model = instance->engine->model;
     const int initial = instance->phase == INITIALIZATION;
     int index;
-    const Kind kind = locate(reference, &index);
-    const int state = state_of(kind, index);
+    const Kind kind = variable_locate(reference, &index);
+    const int state = variable_state(kind, index);
     *column = -1;
     if (kind == UNKNOWN)
-        return report(instance, FAILED, "there is no variable with value reference %u", reference);
+        return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
     if (state >= 0 && !initial)
         *column = 1 + state;
     else if (kind == TIME)
@@ -91,8 +91,8 @@ static Result column_of(Instance *instance, unsigned reference, int *column)
     else if (kind == PARAMETER)
         *column = 1 + model->nx + model->nu + index;
     else if (kind != STEP_SIZE)
-        return report(instance, FAILED, "%s is no known: derivatives are with respect to time, inputs%s",
-                      name_of(kind, index), initial ? " and parameters" : ", parameters and continuous states");
+        return instance_report(instance, FAILED, "%s is no known: derivatives are with respect to time, inputs%s",
+                      variable_name(kind, index), initial ? " and parameters" : ", parameters and continuous states");
     return DONE;
 }
 
@@ -156,7 +156,7 @@ static Result differentiate_start(Instance *instance)
     differentiate_samples(one, engine);
     name = assigned_by_transition(one, engine);
     if (name)
-        return report(instance, FAILED, "there are no derivatives in initialization mode: a transition of the first "
+        return instance_report(instance, FAILED, "there are no derivatives in initialization mode: a transition of the first "
                       "instant assigned %s; ask for them afterwards", name);
     return DONE;
 }
@@ -165,7 +165,7 @@ static Result differentiate_start(Instance *instance)
 static Result prepare(Instance *instance)
 {
     const Engine *engine = instance->engine;
-    Result result = refresh(instance);
+    Result result = instance_refresh(instance);
     if (result == DONE && !instance->entries_current && instance->phase == INITIALIZATION)
         result = differentiate_start(instance);
     if (result != DONE)
@@ -243,12 +243,12 @@ static Result check(Instance *instance, const char *what, unsigned reference, do
 {
     char name[192];
     int index;
-    const Kind kind = locate(reference, &index);
+    const Kind kind = variable_locate(reference, &index);
     if (isfinite(value))
         return DONE;
-    snprintf(name, sizeof name, "the derivative %s %s%s%s", what, kind == DERIVATIVE ? "der(" : "", name_of(kind, index),
+    snprintf(name, sizeof name, "the derivative %s %s%s%s", what, kind == DERIVATIVE ? "der(" : "", variable_name(kind, index),
              kind == DERIVATIVE ? ")" : "");
-    return not_finite(instance, name);
+    return instance_not_finite(instance, name);
 }
 
 typedef Result Place(Instance *instance, unsigned reference, int *index);
@@ -264,7 +264,7 @@ static Result spread(Instance *instance, Place *place, const unsigned *seeded, s
     for (size_t i = 0; i < n_seeded && result == DONE; i++) {
         result = place(instance, seeded[i], &index);
         if (result == DONE && !isfinite(seed[i]))
-            result = report(instance, FAILED, "seed %lu cannot be %g: it is not finite", (unsigned long)i, seed[i]);
+            result = instance_report(instance, FAILED, "seed %lu cannot be %g: it is not finite", (unsigned long)i, seed[i]);
         if (result == DONE && index >= 0)
             vector[index] += seed[i];
     }
@@ -329,8 +329,7 @@ Result instance_adjoint(Instance *instance, const unsigned *unknowns, size_t n_u
 
 /* Dependencies ------------------------------------------------------------------------------------------------------ */
 
-/* Dependencies of an unknown: where they begin in the table of the present phase, and how many there are. */
-static const Dependency *dependencies_of(const Instance *instance, unsigned unknown, size_t *count)
+const Dependency *instance_dependencies(const Instance *instance, unsigned unknown, size_t *count)
 {
     const Description *description = &brunovsky_description;
     const int initial = (instance->phase & (INSTANTIATED | INITIALIZATION)) != 0;
@@ -346,28 +345,11 @@ static const Dependency *dependencies_of(const Instance *instance, unsigned unkn
 Result instance_count_dependencies(Instance *instance, unsigned unknown, size_t *count)
 {
     int index;
-    const Kind kind = locate(unknown, &index);
+    const Kind kind = variable_locate(unknown, &index);
     if (kind == UNKNOWN)
-        return report(instance, FAILED, "there is no variable with value reference %u", unknown);
+        return instance_report(instance, FAILED, "there is no variable with value reference %u", unknown);
     if (kind < OUTPUT || kind == SAMPLE || kind == MODE)
-        return report(instance, FAILED, "%s is no unknown: it depends on nothing", name_of(kind, index));
-    dependencies_of(instance, unknown, count);
-    return DONE;
-}
-
-Result instance_get_dependencies(Instance *instance, unsigned unknown, unsigned *knowns, DependencyKind *kinds, size_t count)
-{
-    size_t expected;
-    const Dependency *found = dependencies_of(instance, unknown, &expected);
-    const Result result = instance_count_dependencies(instance, unknown, &expected);
-    if (result != DONE)
-        return result;
-    if (count != expected)
-        return report(instance, FAILED, "%lu dependencies were asked for, but there are %lu", (unsigned long)count,
-                      (unsigned long)expected);
-    for (size_t i = 0; i < count; i++) {
-        knowns[i] = found[i].known;
-        kinds[i] = found[i].kind;
-    }
+        return instance_report(instance, FAILED, "%s is no unknown: it depends on nothing", variable_name(kind, index));
+    instance_dependencies(instance, unknown, count);
     return DONE;
 }

@@ -6,12 +6,19 @@
 
 #define VALUES(e) (e)->time, (e)->x, (e)->u, (e)->p, (e)->q, (e)->m, (e)->r
 
-/* From engine->time to stop with the inputs held. Both need work space: 9 nx doubles. */
+/* From engine->time to stop with the inputs held; ENGINE_PAUSED if they end before because a pause was due.
+ * Both need work space: 9 nx doubles. */
 int rk4_integrate(Engine *engine, double stop);
 int dormand_prince_integrate(Engine *engine, double stop);
 
 /* Relations and transitions until nothing changes: an event without samples. */
 int engine_settle(Engine *engine);
+
+/* ENGINE_PAUSED if the communication step has to end after the internal step that is just done. */
+int engine_pause(Engine *engine);
+
+/* Whether relations are not what they are frozen at. */
+int engine_relations_differ(Engine *engine);
 
 /* ENGINE_FAILED, with a message; check is the index of the check that explains it, or -1. */
 int engine_fail(Engine *engine, int check, const char *variable, const char *problem);

@@ -321,7 +321,7 @@ def test_functions_of_no_instance_are_errors(instance):
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"guid": "{0}"}, "the guid is {0}, but this binary has {"),
+        ({"guid": "{0}"}, "the token is {0}, but this binary has {"),
         ({"name": b""}, "the instance has no name"),
         ({"name": None}, "the instance has no name"),
     ],
