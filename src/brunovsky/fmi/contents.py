@@ -16,14 +16,19 @@ from brunovsky._resources import resource, runtime_folder
 from brunovsky.blocks import Block
 from brunovsky.errors import ModelError
 from brunovsky.fmi.description2 import model_description
+from brunovsky.fmi.structure import dependency_tables
 from brunovsky.fmi.variables import scalar_variables
-from brunovsky.native import compile_library, model_source
+from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
+from brunovsky.native.output_derivatives import output_derivatives_source
 
-_RUNTIME = (*ENGINE_SOURCES, "instance.c", "fmi2.c")
-_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h")
-SOURCE_FILES = ("model.c", "description.c", *_RUNTIME)
-"""C files that make up the binary; the first two are generated."""
+_RUNTIME = (*ENGINE_SOURCES, "instance.c", "variables.c", "extrapolation.c", "sensitivity.c", "state.c", "fmu.c", "fmi2.c")
+_HEADERS = (
+    *ENGINE_HEADERS, "description.h", "instance.h", "variables.h", "jacobian.h", "output_derivatives.h", "sensitivity.h",
+    "fmu.h",
+)  # fmt: skip
+SOURCE_FILES = ("model.c", "jacobian.c", "output_derivatives.c", "description.c", *_RUNTIME)
+"""C files that make up the binary; the first three are generated."""
 
 _TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN"}
 
@@ -51,10 +56,14 @@ def fmu_files(block: Block) -> Mapping[str, bytes]:
 
     _refuse_clocks(block)
     blank = model_description(block, "", SOURCE_FILES, __version__)
-    model = model_source(block)
+    generated = {
+        "model.c": model_source(block).encode(),
+        "jacobian.c": jacobian_source(block).encode(),
+        "output_derivatives.c": output_derivatives_source(block).encode(),
+    }
     runtime = {name: (runtime_folder() / name).read_bytes() for name in (*_RUNTIME, *_HEADERS)}
-    token = _token([blank, model.encode(), *runtime.values()])
-    sources = runtime | {"model.c": model.encode(), "description.c": description_source(block, token).encode()}
+    token = _token([blank, *generated.values(), *runtime.values()])
+    sources = runtime | generated | {"description.c": description_source(block, token).encode()}
     files = {f"sources/{name}": text for name, text in sources.items()}
     files["documentation/licenses/brunovsky.txt"] = resource("LICENSE").read_bytes()  # of the runtime
     files["modelDescription.xml"] = model_description(block, token, SOURCE_FILES, __version__)
@@ -73,7 +82,8 @@ def _refuse_clocks(block: Block) -> None:
 
 def description_source(block: Block, token: str) -> str:
     """C text of what the runtime needs of the description: ``brunovsky_description`` of ``description.h``."""
-    types = {one.name: _TYPES[one.type] for one in scalar_variables(block) if one.causality == "output"}
+    variables = scalar_variables(block)
+    types = {one.name: _TYPES[one.type] for one in variables if one.causality == "output"}
     modes = [f'"{one.name}"' for one in block.modes]
     return "\n".join(
         [
@@ -81,10 +91,15 @@ def description_source(block: Block, token: str) -> str:
             '#include "description.h"',
             "",
             _table("char *const", "m_names", modes),
+            _table("char *const", "z_names", [f'"indicator {k}"' for k in range(1, len(block.indicators) + 1)]),
             _table("Type", "y_types", [types[one.name] for one in block.outputs], "REAL"),
             _table("int", "p_tunable", [str(int(one.tunable)) for one in block.parameters]),
+            *dependency_tables(block, variables),
             "",
-            f'const Description brunovsky_description = {{"{token}", m_names, y_types, p_tunable}};',
+            "const Description brunovsky_description = {",
+            f'    "{token}", m_names, z_names, y_types, p_tunable, 0, initial, running,',
+            "    sizeof initial / sizeof *initial - 1, sizeof running / sizeof *running - 1,",
+            "};",
             "",
         ]
     )

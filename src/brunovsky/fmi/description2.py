@@ -10,9 +10,11 @@ from brunovsky.blocks import Block
 from brunovsky.blocks.units import BASE_UNITS, unit_exponents
 from brunovsky.fmi.structure import Unknown, model_structure
 from brunovsky.fmi.variables import SOLVERS, ScalarVariable, scalar_variables
+from brunovsky.native.output_derivatives import output_derivatives
 
 LOG_CATEGORIES = {
     "logEvents": "changes of states, samples and modes at events",
+    "logSingularity": "singular becomes true or false",
     "logStatusWarning": "warnings; always logged",
     "logStatusDiscard": "calls with status fmi2Discard; always logged",
     "logStatusError": "calls with status fmi2Error; always logged",
@@ -52,7 +54,7 @@ def model_description(block: Block, token: str, source_files: Sequence[str], ver
         variableNamingConvention="structured",
         numberOfEventIndicators=str(len(block.indicators)),
     )
-    _interfaces(root, block.name, source_files)
+    _interfaces(root, block, source_files)
     _units(root, variables)
     if any(one.type == "Enumeration" for one in variables):
         _solver_type(root)
@@ -72,18 +74,18 @@ def model_description(block: Block, token: str, source_files: Sequence[str], ver
     return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True))
 
 
-def _interfaces(root: etree._Element, name: str, source_files: Sequence[str]) -> None:
+def _interfaces(root: etree._Element, block: Block, source_files: Sequence[str]) -> None:
     common = {
-        "modelIdentifier": name,
+        "modelIdentifier": block.name,
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "false",
+        "providesDirectionalDerivative": "true",
     }
     for tag, own in (
         ("ModelExchange", {"completedIntegratorStepNotNeeded": "false"}),
-        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "false",
-                          "maxOutputDerivativeOrder": "0"}),
+        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "true",
+                          "maxOutputDerivativeOrder": str(output_derivatives(block).order)}),
     ):  # fmt: skip
         files = etree.SubElement(etree.SubElement(root, tag, common | own), "SourceFiles")
         for file in source_files:

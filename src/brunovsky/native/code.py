@@ -47,7 +47,7 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
         return "0"
 
 
-class _Text:
+class BlockText:
     """Prints the functions of one block."""
 
     def __init__(self, block: Block) -> None:
@@ -76,6 +76,14 @@ class _Text:
         """Pure function that writes the expressions to the array ``out``."""
         targets = [f"{out}[{index}]" for index in range(len(expressions))]
         return _function(f"void {name}({arguments}, double *{out})", self.assignments(targets, expressions))
+
+    def program(self, header: str, statements: Iterable[tuple[sp.Symbol | str, sp.Basic]]) -> str:
+        """Function that makes assignments one after the other: symbols are declared, texts assigned to."""
+        lines = [
+            f"{'const double ' if isinstance(target, sp.Symbol) else ''}{target} = {self._printer.doprint(value)};"
+            for target, value in statements
+        ]
+        return _function(header, lines)
 
     def checks(self, name: str, conditions: Sequence[tuple[int, str, sp.Basic]], arguments: str) -> str:
         """Function that returns the index of the first condition that does not hold, or -1."""
@@ -125,7 +133,7 @@ def model_source(block: Block) -> str:
     str
         Defines ``const Model brunovsky_model`` of ``model.h``.
     """
-    text = _Text(block)
+    text = BlockText(block)
     starts = [one.start for one in block.states]
     start = _function(
         "void start(const double *p, double *x, double *q)",
