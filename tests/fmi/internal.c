@@ -17,3 +17,17 @@ OPEN const char *test_message(void *component)
 {
     return (*(Instance **)component)->message;
 }
+
+OPEN int test_count_dependencies(void *component, unsigned unknown, size_t *count)
+{
+    return (int)instance_count_dependencies(*(Instance **)component, unknown, count);
+}
+
+OPEN int test_get_dependencies(void *component, unsigned unknown, unsigned *knowns, int *kinds, size_t count)
+{
+    DependencyKind found[256];
+    const Result result = instance_get_dependencies(*(Instance **)component, unknown, knowns, found, count);
+    for (size_t i = 0; i < count && result == DONE; i++)
+        kinds[i] = (int)found[i];
+    return (int)result;
+}
