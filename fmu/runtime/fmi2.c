@@ -433,7 +433,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2DoStepStatus)
         return fail(fmu, __func__, "only fmi2DoStepStatus is a status");
@@ -444,7 +444,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2LastSuccessfulTime)
         return fail(fmu, __func__, "only fmi2LastSuccessfulTime is a Real status");
@@ -457,7 +457,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
     const Fmu *fmu = c;
     (void)s;
     (void)value;
-    if (refused(fmu, __func__, STATUS_PHASES))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES))
         return fmi2Error;
     return fail(fmu, __func__, "there is no Integer status");
 }
@@ -465,7 +465,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2Terminated)
         return fail(fmu, __func__, "only fmi2Terminated is a Boolean status");
@@ -476,7 +476,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2PendingStatus)
         return fail(fmu, __func__, "only fmi2PendingStatus is a String status");

@@ -350,6 +350,7 @@ static Result check_step(Instance *instance, double time, double length)
 Result instance_step(Instance *instance, double time, double length)
 {
     Engine *engine = instance->engine;
+    const double before = engine->time;
     Result result = check_step(instance, time, length);
     int status;
     engine->event_due = 0;
@@ -365,9 +366,11 @@ Result instance_step(Instance *instance, double time, double length)
         status = engine_continue(engine, instance->end);
     instance->phase = STEP;
     instance_outdate(instance);
-    instance->relations_current = 1;
-    if (status == ENGINE_OK)
+    if (status == ENGINE_OK) {
+        instance->relations_current = 1;
         return DONE;
+    }
+    engine->time = before;
     if (instance->listener.tell)
         instance_listen(instance, instance->listener);
     return instance_report(instance, DISCARDED, "%s", engine->message);
