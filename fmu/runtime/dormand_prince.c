@@ -64,6 +64,7 @@ static double weighted(const Step *step, const double *weights, int stages, int 
 static void derivatives(const Step *step, double time, const double *x, double *dx)
 {
     const Engine *e = step->engine;
+    inputs_at(e, time);
     e->model->derivatives(time, x, e->u, e->p, e->q, e->m, e->r, dx);
 }
 
@@ -168,6 +169,7 @@ static int differs(const Step *step, double fraction)
     int *now = e->r + e->model->nr;
     interpolate(step, fraction, step->inside);
     memcpy(now, e->r, size);
+    inputs_at(e, e->time + fraction * step->size);
     e->model->relations(e->time + fraction * step->size, step->inside, e->u, e->p, e->q, e->m, now);
     return memcmp(now, e->r, size) != 0;
 }
@@ -217,6 +219,7 @@ static int check_rejected(const Step *step, int steps, double smallest)
     const int bad = first_not_finite(step->end, engine->model->nx);
     for (int k = 0; k < STAGES && check == -1; k++) {
         stage_states(step, k, step->inside);
+        inputs_at(engine, engine->time + NODES[k] * step->size);
         check = engine_stage_check(engine, engine->time + NODES[k] * step->size, step->inside);
     }
     check = check < 0 ? -1 : check;
@@ -249,6 +252,7 @@ static void accept(const Step *step, double time)
 {
     const size_t n = (size_t)step->engine->model->nx;
     step->engine->time = time;
+    inputs_at(step->engine, time);
     memcpy(step->engine->x, step->end, n * sizeof(double));
     memcpy(step->slopes, step->slopes + (STAGES - 1) * n, n * sizeof(double));
 }
@@ -259,6 +263,7 @@ static int cut(const Step *step, double fraction)
     Engine *engine = step->engine;
     interpolate(step, fraction, step->inside);
     engine->time += fraction * step->size;
+    inputs_at(engine, engine->time);
     memcpy(engine->x, step->inside, (size_t)engine->model->nx * sizeof(double));
     return engine->pause_at_event ? ENGINE_OK : engine_settle(engine);
 }

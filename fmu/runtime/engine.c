@@ -4,8 +4,8 @@
  * transitions until nothing changes. A communication step is cut at sample instants; each piece is integrated by one of
  * two methods: equal substeps that each begin with an event (rk4.c), or steps chosen by the tolerance and cut where a
  * relation changes (dormand_prince.c). On the way out relations are evaluated once more, so that outputs belong to the
- * state reached and to the inputs of the step; samples and transitions of that instant wait for the next step and its
- * inputs.
+ * state reached and to the inputs at the end of the step; samples and transitions of that instant wait for the next
+ * step and its inputs. Inputs are held, or vary over a step as their derivatives say (inputs.c).
  */
 #include "solver.h"
 
@@ -20,13 +20,13 @@
 
 static size_t doubles_saved(const Model *model)
 {
-    return 4 + (size_t)(model->nx + 2 * model->nq + model->nu + model->np);
+    return 4 + (size_t)(model->nx + 2 * model->nq + (1 + INPUT_ORDERS) * model->nu + model->np);
 }
 
 Engine *engine_new(const Model *model, double step_size)
 {
     const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
-    const size_t doubles = doubles_saved(model) + (size_t)model->ny + 9 * nx + 2 * nq + 1;
+    const size_t doubles = doubles_saved(model) + (size_t)(model->nu + model->ny) + 9 * nx + 2 * nq + 1;
     const size_t integers = (size_t)(2 * model->nm + 3 * model->nr + model->nk) + 1;
     Engine *engine = calloc(1, sizeof *engine);
     double *store = calloc(doubles, sizeof *store);
@@ -53,7 +53,9 @@ Engine *engine_new(const Model *model, double step_size)
     engine->u = engine->q + nq;
     engine->p = engine->u + model->nu;
     engine->previous = engine->p + model->np;
-    engine->y = engine->previous + nq;
+    engine->du = engine->previous + nq;
+    engine->u_begin = engine->du + INPUT_ORDERS * model->nu;
+    engine->y = engine->u_begin + model->nu;
     engine->work = engine->y + model->ny;
     engine->due = due;
     engine->m = flags;
@@ -79,7 +81,7 @@ size_t engine_state_size(const Engine *engine)
 {
     const Model *model = engine->model;
     return doubles_saved(model) * sizeof(double) + (size_t)model->nq * sizeof(long long) +
-           (size_t)(1 + model->nm + model->nr + model->nk) * sizeof(int);
+           (size_t)(2 + model->nm + model->nr + model->nk) * sizeof(int);
 }
 
 static void copy(char **bytes, void *values, size_t size, int restore)
@@ -98,9 +100,10 @@ static void transfer(Engine *engine, char *bytes, int restore)
     copy(&bytes, &engine->start_time, sizeof(double), restore);
     copy(&bytes, &engine->step_size, sizeof(double), restore);
     copy(&bytes, &engine->tolerance, sizeof(double), restore);
-    copy(&bytes, engine->x, (size_t)(model->nx + 2 * model->nq + model->nu + model->np) * sizeof(double), restore);
+    copy(&bytes, engine->x, (doubles_saved(model) - 4) * sizeof(double), restore); /* with q, u, p, previous and du */
     copy(&bytes, engine->due, (size_t)model->nq * sizeof(long long), restore);
     copy(&bytes, &engine->solver, sizeof(int), restore);
+    copy(&bytes, &engine->given, sizeof(int), restore);
     copy(&bytes, engine->m, (size_t)model->nm * sizeof(int), restore);
     copy(&bytes, engine->r, (size_t)model->nr * sizeof(int), restore);
     copy(&bytes, engine->active, (size_t)model->nk * sizeof(int), restore);
@@ -126,6 +129,9 @@ void engine_reset(Engine *engine)
         engine->p[i] = model->p_default[i];
     for (int i = 0; i < model->nu; i++)
         engine->u[i] = model->u_default[i];
+    for (int i = 0; i < INPUT_ORDERS * model->nu; i++)
+        engine->du[i] = 0;
+    engine->given = engine->varying = 0;
     for (int i = 0; i < model->nq; i++)
         engine->due[i] = 0;
     for (int i = 0; i < 2 * model->nm + model->nr; i++)
@@ -435,18 +441,26 @@ static int try_advance(Engine *engine, double stop)
     return engine_check_finite(engine);
 }
 
+static int give_up(Engine *engine)
+{
+    engine->varying = 0;
+    engine_restore(engine, engine->backup);
+    return ENGINE_FAILED;
+}
+
 static int advance_to(Engine *engine, double stop)
 {
     engine_save(engine, engine->backup);
-    return engine_continue(engine, stop);
+    return engine_begin_inputs(engine, stop) == ENGINE_OK ? engine_continue(engine, stop) : give_up(engine);
 }
 
 int engine_continue(Engine *engine, double stop)
 {
-    if (try_advance(engine, stop) == ENGINE_OK)
+    if (try_advance(engine, stop) == ENGINE_OK) {
+        engine_end_inputs(engine);
         return ENGINE_OK;
-    engine_restore(engine, engine->backup);
-    return ENGINE_FAILED;
+    }
+    return give_up(engine);
 }
 
 int engine_advance(Engine *engine, double length)

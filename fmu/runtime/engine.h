@@ -10,6 +10,7 @@ enum { ENGINE_OK = 0, ENGINE_FAILED = 1, ENGINE_PAUSED = 2 };
 enum { ENGINE_STEPPED, ENGINE_SWITCHED }; /* what is observed: an internal step is done; relations or modes changed */
 enum { SOLVER_RK4 = 1, SOLVER_DORMAND_PRINCE = 2 };
 
+#define INPUT_ORDERS 3 /* derivatives of an input that a step follows */
 #define DEFAULT_TOLERANCE 1e-6
 #define LEAST_TOLERANCE 1e-13
 #define LARGEST_TOLERANCE 1.0
@@ -28,6 +29,9 @@ typedef struct {
     const char *reason; /* after a failure: name of the check that explains it, or "diverged" */
     char variable[128]; /* after a failure: where it showed */
     char message[512];  /* after a failure: what was wrong, where and when */
+    double *du;         /* derivatives of the inputs, INPUT_ORDERS of each: see inputs.c */
+    double *u_begin, begin; /* inputs and time at the beginning of a step over which they vary */
+    int given, varying; /* derivatives were given for the next step; inputs vary over this one */
 
     /* What a master wants of a communication step; all zero in the native simulation. */
     int (*observe)(void *observer, int what); /* a result other than 0 after ENGINE_STEPPED ends the step there */
@@ -63,8 +67,11 @@ ENGINE_API double engine_next_sample(const Engine *engine); /* instant of the ne
 ENGINE_API void engine_tick(Engine *engine, int clock, int active);
 ENGINE_API void engine_sample_clocks(Engine *engine);
 
-/* One communication step with the inputs held; on failure the state from before it is restored. The step may end
- * early, which engine->time tells: see pause_at_event and observe. */
+/* Derivative of an input, of order 1 to INPUT_ORDERS, where the next step begins; the others are 0. */
+ENGINE_API void engine_set_input_derivative(Engine *engine, int input, int order, double value);
+
+/* One communication step with the inputs held, or as their derivatives say; on failure the state from before it is
+ * restored. The step may end early, which engine->time tells: see pause_at_event and observe. */
 ENGINE_API int engine_advance(Engine *engine, double length);
 /* Its continuation to a time; on failure the state from before the step is restored. */
 ENGINE_API int engine_continue(Engine *engine, double stop);

@@ -59,6 +59,12 @@ static int refused_exchange(const Fmu *fmu, const char *function, int phases)
     return fmu_refused_to(fmu, function, 1 << MODEL_EXCHANGE, phases);
 }
 
+/* The same for a function that only co-simulation has. */
+static int refused_simulation(const Fmu *fmu, const char *function, int phases)
+{
+    return fmu_refused_to(fmu, function, 1 << CO_SIMULATION, phases);
+}
+
 static int missing(const Fmu *fmu, const char *function, size_t count, const void *first, const void *second)
 {
     return fmu_missing(fmu, function, count, first, second);
@@ -393,25 +399,33 @@ fmi2Status fmi2CancelStep(fmi2Component c)
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
                                        const fmi2Real value[])
 {
-    const Fmu *fmu = c;
-    (void)vr;
-    (void)order;
-    (void)value;
-    if (refused(fmu, __func__, INSTANTIATED | INITIALIZATION | STEP))
+    Fmu *fmu = c;
+    if (refused_simulation(fmu, __func__, INSTANTIATED | INITIALIZATION | STEP) || missing(fmu, __func__, nvr, vr, value) ||
+        missing(fmu, __func__, nvr, order, order))
         return fmi2Error;
-    return nvr ? fail(fmu, __func__, "inputs are held over a step, not interpolated (canInterpolateInputs is false)") : fmi2OK;
+    for (size_t i = 0; i < nvr; i++) {
+        const Result result = instance_admits_input_derivative(fmu->instance, vr[i], order[i], value[i]);
+        if (result != DONE)
+            return status_of(fmu, __func__, result);
+    }
+    for (size_t i = 0; i < nvr; i++)
+        instance_set_input_derivative(fmu->instance, vr[i], order[i], value[i]);
+    return fmi2OK;
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
                                         fmi2Real value[])
 {
-    const Fmu *fmu = c;
-    (void)vr;
-    (void)order;
-    (void)value;
-    if (refused(fmu, __func__, STEP | TERMINATED))
+    Fmu *fmu = c;
+    if (refused_simulation(fmu, __func__, STEP | TERMINATED) ||
+        missing(fmu, __func__, nvr, vr, value) || missing(fmu, __func__, nvr, order, order))
         return fmi2Error;
-    return nvr ? fail(fmu, __func__, "derivatives of outputs are not provided (maxOutputDerivativeOrder is 0)") : fmi2OK;
+    for (size_t i = 0; i < nvr; i++) {
+        const Result result = instance_get_output_derivative(fmu->instance, vr[i], order[i], &value[i]);
+        if (result != DONE)
+            return status_of(fmu, __func__, result);
+    }
+    return fmi2OK;
 }
 
 #define STATUS_PHASES (STEP | TERMINATED)
@@ -419,7 +433,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2DoStepStatus)
         return fail(fmu, __func__, "only fmi2DoStepStatus is a status");
@@ -430,7 +444,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2LastSuccessfulTime)
         return fail(fmu, __func__, "only fmi2LastSuccessfulTime is a Real status");
@@ -443,7 +457,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
     const Fmu *fmu = c;
     (void)s;
     (void)value;
-    if (refused(fmu, __func__, STATUS_PHASES))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES))
         return fmi2Error;
     return fail(fmu, __func__, "there is no Integer status");
 }
@@ -451,7 +465,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2Terminated)
         return fail(fmu, __func__, "only fmi2Terminated is a Boolean status");
@@ -462,7 +476,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2PendingStatus)
         return fail(fmu, __func__, "only fmi2PendingStatus is a String status");

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "output_derivatives.h"
 #include "sensitivity.h"
 #include "variables.h"
 
@@ -32,9 +33,10 @@ Instance *instance_new(Interface interface)
         return NULL;
     instance->engine = engine_new(model, DEFAULT_STEP_SIZE);
     instance->dx = calloc((size_t)(2 * model->nx + model->nz + model->nq + model->nk) + 1, sizeof *instance->dx);
+    instance->dy = calloc((size_t)(brunovsky_output_derivatives.order * model->ny) + 1, sizeof *instance->dy);
     instance->side = calloc((size_t)(model->nz + model->nr + 2 * model->nm + model->ny) + 1, sizeof *instance->side);
     instance->sensitivity = sensitivity_new();
-    if (!instance->engine || !instance->dx || !instance->side || !instance->sensitivity) {
+    if (!instance->engine || !instance->dx || !instance->dy || !instance->side || !instance->sensitivity) {
         instance_free(instance);
         return NULL;
     }
@@ -55,6 +57,7 @@ void instance_free(Instance *instance)
         return;
     engine_free(instance->engine);
     free(instance->dx);
+    free(instance->dy);
     free(instance->side);
     free(instance->sensitivity);
     free(instance);
@@ -62,7 +65,8 @@ void instance_free(Instance *instance)
 
 void instance_outdate(Instance *instance)
 {
-    instance->outputs_current = instance->derivatives_current = instance->entries_current = 0;
+    instance->outputs_current = instance->derivatives_current = 0;
+    instance->entries_current = instance->output_derivatives_current = 0;
 }
 
 void instance_reset(Instance *instance)
@@ -346,6 +350,7 @@ static Result check_step(Instance *instance, double time, double length)
 Result instance_step(Instance *instance, double time, double length)
 {
     Engine *engine = instance->engine;
+    const double before = engine->time;
     Result result = check_step(instance, time, length);
     int status;
     engine->event_due = 0;
@@ -361,9 +366,11 @@ Result instance_step(Instance *instance, double time, double length)
         status = engine_continue(engine, instance->end);
     instance->phase = STEP;
     instance_outdate(instance);
-    instance->relations_current = 1;
-    if (status == ENGINE_OK)
+    if (status == ENGINE_OK) {
+        instance->relations_current = 1;
         return DONE;
+    }
+    engine->time = before;
     if (instance->listener.tell)
         instance_listen(instance, instance->listener);
     return instance_report(instance, DISCARDED, "%s", engine->message);

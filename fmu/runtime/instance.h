@@ -52,11 +52,12 @@ typedef struct {
     Phase phase;
     double start, stop; /* of the experiment; HUGE_VAL if the end is open */
     int parameters_checked, started, relations_current, outputs_current, derivatives_current; /* since the last change */
-    int entries_current; /* of the derivatives, likewise */
+    int entries_current, output_derivatives_current; /* likewise */
     Sensitivity *sensitivity;
     int *side;          /* of each indicator at the last event: 1, -1, or 0 if it was zero */
     double *activation; /* of each clock: instant of its last activation, -HUGE_VAL before */
     double *dx, *z, *before;
+    double *dy; /* time derivatives of all outputs, those of one order after another */
     int *r, *modes_before; /* work space, as the line above */
     Listener listener;
     int *told; /* Boolean outputs and modes that the listener knows of */
@@ -88,6 +89,13 @@ Result instance_exit_initialization(Instance *instance);
 Result instance_get(Instance *instance, int types, unsigned reference, double *value);
 Result instance_admits(Instance *instance, int types, unsigned reference, double value);
 void instance_set(Instance *instance, unsigned reference, double value);
+
+/* Time derivatives, from order 1 on (extrapolation.c). Of an input: those that the next communication step follows; to be
+ * set before it. Of an output: exact ones of the branch that relations are frozen in, with the derivatives of the inputs
+ * where the last step ended, or those set for the next one. */
+Result instance_admits_input_derivative(Instance *instance, unsigned reference, int order, double value);
+Result instance_set_input_derivative(Instance *instance, unsigned reference, int order, double value);
+Result instance_get_output_derivative(Instance *instance, unsigned reference, int order, double *value);
 
 /* Co-simulation: one communication step from time on. It ended at engine->time; engine->event_due tells whether the
  * master has to handle an event there. DISCARDED if it could not be calculated. */

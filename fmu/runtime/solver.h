@@ -6,8 +6,20 @@
 
 #define VALUES(e) (e)->time, (e)->x, (e)->u, (e)->p, (e)->q, (e)->m, (e)->r
 
-/* From engine->time to stop with the inputs held; ENGINE_PAUSED if they end before because a pause was due.
- * Both need work space: 9 nx doubles. */
+/* Inputs over a step: the step to stop begins, is at this time, has reached engine->time. */
+int engine_begin_inputs(Engine *engine, double stop);
+void engine_vary_inputs(const Engine *engine, double time);
+void engine_end_inputs(Engine *engine);
+
+/* Makes engine->u the inputs at this time; inputs that are held cost a comparison. */
+static inline void inputs_at(const Engine *engine, double time)
+{
+    if (engine->varying)
+        engine_vary_inputs(engine, time);
+}
+
+/* From engine->time to stop, where the inputs are those at stop; ENGINE_PAUSED if they end before because a pause was
+ * due. Both need work space: 9 nx doubles. */
 int rk4_integrate(Engine *engine, double stop);
 int dormand_prince_integrate(Engine *engine, double stop);
 

@@ -335,12 +335,6 @@ def test_an_instance_needs_a_name_and_the_right_guid(robot, options, text):
 
 def test_what_is_not_provided_says_so(instance):
     instance.initialize()
-    one, reference, value = ctypes.c_size_t(1), (ctypes.c_uint * 1)(12), (ctypes.c_double * 1)()
-    order = (ctypes.c_int * 1)(1)
-    assert instance.call("SetRealInputDerivatives", reference, one, order, value) == ERROR
-    assert "canInterpolateInputs is false" in instance.text
-    assert instance.call("GetRealOutputDerivatives", reference, one, order, value) == ERROR
-    assert "maxOutputDerivativeOrder is 0" in instance.text
     assert instance.call("CancelStep") == ERROR
     assert "no step to cancel" in instance.text
     integer = ctypes.c_int()

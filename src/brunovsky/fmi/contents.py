@@ -21,17 +21,19 @@ from brunovsky.fmi.structure import dependency_tables
 from brunovsky.fmi.variables import reference_offsets, scalar_variables
 from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
+from brunovsky.native.output_derivatives import output_derivatives_source
 
 FMI_VERSIONS = (2, 3)
-_RUNTIME = (*ENGINE_SOURCES, "instance.c", "variables.c", "state.c", "sensitivity.c", "fmu.c")
-_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h", "jacobian.h", "sensitivity.h", "variables.h", "fmu.h")
-_GENERATED = ("model.c", "jacobian.c", "description.c")
+_RUNTIME = (*ENGINE_SOURCES, "instance.c", "variables.c", "extrapolation.c", "sensitivity.c", "state.c", "fmu.c")
+_OWN_HEADERS = "description instance variables jacobian output_derivatives sensitivity fmu"
+_HEADERS = (*ENGINE_HEADERS, *(f"{name}.h" for name in _OWN_HEADERS.split()))
+_GENERATED = ("model.c", "jacobian.c", "output_derivatives.c", "description.c")
 
 _TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN"}
 
 
 def source_files(fmi_version: int) -> tuple[str, ...]:
-    """C files that make up the binary; the first three are generated."""
+    """C files that make up the binary; the first four are generated."""
     return (*_GENERATED, *_RUNTIME, f"fmi{fmi_version}.c")
 
 
@@ -86,7 +88,11 @@ def fmu_files(block: Block, fmi_version: int = 2, arrays: bool = False) -> Mappi
     check_version(block, fmi_version, arrays)
     names = source_files(fmi_version)
     descriptions = _descriptions(block, fmi_version, arrays, "")
-    generated = {"model.c": model_source(block).encode(), "jacobian.c": jacobian_source(block).encode()}
+    generated = {
+        "model.c": model_source(block).encode(),
+        "jacobian.c": jacobian_source(block).encode(),
+        "output_derivatives.c": output_derivatives_source(block).encode(),
+    }
     copied = (*(one for one in names if one not in _GENERATED), *_HEADERS)
     runtime = {name: (runtime_folder() / name).read_bytes() for name in copied}
     token = _token([*descriptions.values(), *generated.values(), *runtime.values()])

@@ -20,6 +20,7 @@ from brunovsky.fmi.definitions import (
 )
 from brunovsky.fmi.structure import Unknown, model_structure
 from brunovsky.fmi.variables import ScalarVariable, scalar_variables
+from brunovsky.native.output_derivatives import output_derivatives
 
 
 def model_description(block: Block, token: str, source_files: Sequence[str], version: str) -> bytes:
@@ -44,7 +45,7 @@ def model_description(block: Block, token: str, source_files: Sequence[str], ver
     variables = scalar_variables(block)
     own = {"fmiVersion": "2.0", "guid": token, "numberOfEventIndicators": str(len(block.indicators))}
     root = root_element(block, version, own)
-    _interfaces(root, block.name, source_files)
+    _interfaces(root, block, source_files)
     add_units(root, variables)
     if any(one.type == "Enumeration" for one in variables):
         _solver_type(root)
@@ -55,9 +56,9 @@ def model_description(block: Block, token: str, source_files: Sequence[str], ver
     return xml_text(root)
 
 
-def _interfaces(root: etree._Element, name: str, source_files: Sequence[str]) -> None:
+def _interfaces(root: etree._Element, block: Block, source_files: Sequence[str]) -> None:
     common = {
-        "modelIdentifier": name,
+        "modelIdentifier": block.name,
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
@@ -65,8 +66,8 @@ def _interfaces(root: etree._Element, name: str, source_files: Sequence[str]) ->
     }
     for tag, own in (
         ("ModelExchange", {"completedIntegratorStepNotNeeded": "false"}),
-        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "false",
-                          "maxOutputDerivativeOrder": "0"}),
+        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "true",
+                          "maxOutputDerivativeOrder": str(output_derivatives(block).order)}),
     ):  # fmt: skip
         files = etree.SubElement(etree.SubElement(root, tag, common | own), "SourceFiles")
         for file in source_files:

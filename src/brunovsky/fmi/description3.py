@@ -22,8 +22,8 @@ from brunovsky.fmi.definitions import (
 )
 from brunovsky.fmi.structure import Unknown, model_structure
 from brunovsky.fmi.variables import scalar_variables
+from brunovsky.native.output_derivatives import output_derivatives
 
-MAX_OUTPUT_DERIVATIVE_ORDER = 1
 _TYPES = {"Real": "Float64", "Integer": "Int32"}
 _KINDS = ("constant", "fixed", "tunable", "discrete", "dependent")
 """Kinds of dependency, each weaker than those before."""
@@ -97,7 +97,7 @@ def _interfaces(root: etree._Element, block: Block) -> None:
         element = etree.SubElement(root, tag, modelIdentifier=block.name)
         element.attrib.update(dict.fromkeys((*_COMMON, *own), "true"))
         if tag == "CoSimulation":
-            element.set("maxOutputDerivativeOrder", str(MAX_OUTPUT_DERIVATIVE_ORDER))
+            element.set("maxOutputDerivativeOrder", str(output_derivatives(block).order))
 
 
 def _solver_type(root: etree._Element) -> None:

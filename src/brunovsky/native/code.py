@@ -77,6 +77,14 @@ class BlockText:
         targets = [f"{out}[{index}]" for index in range(len(expressions))]
         return _function(f"void {name}({arguments}, double *{out})", self.assignments(targets, expressions))
 
+    def program(self, header: str, statements: Iterable[tuple[sp.Symbol | str, sp.Basic]]) -> str:
+        """Function that makes assignments one after the other: symbols are declared, texts assigned to."""
+        lines = [
+            f"{'const double ' if isinstance(target, sp.Symbol) else ''}{target} = {self._printer.doprint(value)};"
+            for target, value in statements
+        ]
+        return _function(header, lines)
+
     def checks(self, name: str, conditions: Sequence[tuple[int, str, sp.Basic]], arguments: str) -> str:
         """Function that returns the index of the first condition that does not hold, or -1."""
         lines = [
