@@ -55,6 +55,17 @@ Sensitivity *sensitivity_new(void)
 
 /* Where things are -------------------------------------------------------------------------------------------------- */
 
+/* What stands around the name of a state where its derivative is meant. */
+static const char *opening(Kind kind)
+{
+    return kind == DERIVATIVE ? "der(" : "";
+}
+
+static const char *closing(Kind kind)
+{
+    return kind == DERIVATIVE ? ")" : "";
+}
+
 /* Row of an unknown; FAILED if it is none. */
 static Result row_of(Instance *instance, unsigned reference, int *row)
 {
@@ -67,8 +78,8 @@ static Result row_of(Instance *instance, unsigned reference, int *row)
         return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
     if (kind == DERIVATIVE || (kind == OUTPUT && variable_type(kind, index) == REAL) || (kind == STATE && initial))
         return DONE;
-    return instance_report(instance, FAILED, "%s is no unknown: derivatives are of Real outputs and state derivatives%s",
-                  variable_name(kind, index), initial ? ", and of states" : "");
+    return instance_report(instance, FAILED, "%s%s%s is no unknown: derivatives are of Real outputs and state derivatives%s",
+                  opening(kind), variable_name(kind, index), closing(kind), initial ? ", and of states" : "");
 }
 
 /* Column of a known, -1 if nothing depends on it; FAILED if it is none. */
@@ -91,8 +102,8 @@ static Result column_of(Instance *instance, unsigned reference, int *column)
     else if (kind == PARAMETER)
         *column = 1 + model->nx + model->nu + index;
     else if (kind != STEP_SIZE)
-        return instance_report(instance, FAILED, "%s is no known: derivatives are with respect to time, inputs%s",
-                      variable_name(kind, index), initial ? " and parameters" : ", parameters and continuous states");
+        return instance_report(instance, FAILED, "%s%s%s is no known: derivatives are with respect to time, inputs%s",
+                      opening(kind), variable_name(kind, index), closing(kind), initial ? " and parameters" : ", parameters and continuous states");
     return DONE;
 }
 
@@ -246,8 +257,7 @@ static Result check(Instance *instance, const char *what, unsigned reference, do
     const Kind kind = variable_locate(reference, &index);
     if (isfinite(value))
         return DONE;
-    snprintf(name, sizeof name, "the derivative %s %s%s%s", what, kind == DERIVATIVE ? "der(" : "", variable_name(kind, index),
-             kind == DERIVATIVE ? ")" : "");
+    snprintf(name, sizeof name, "the derivative %s %s%s%s", what, opening(kind), variable_name(kind, index), closing(kind));
     return instance_not_finite(instance, name);
 }
 

@@ -17,3 +17,19 @@ OPEN const char *test_message(void *component)
 {
     return (*(Instance **)component)->message;
 }
+
+OPEN int test_count_dependencies(void *component, unsigned unknown, size_t *count)
+{
+    return (int)instance_count_dependencies(*(Instance **)component, unknown, count);
+}
+
+OPEN int test_get_dependencies(void *component, unsigned unknown, unsigned *knowns, int *kinds, size_t count)
+{
+    size_t expected;
+    const Dependency *found = instance_dependencies(*(Instance **)component, unknown, &expected);
+    for (size_t i = 0; i < count && count == expected; i++) {
+        knowns[i] = found[i].known;
+        kinds[i] = (int)found[i].kind;
+    }
+    return count == expected ? DONE : FAILED;
+}
