@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from brunovsky.blocks import Block, library
-from brunovsky.fmi.contents import SOURCE_FILES, fmu_files, headers_folder
+from brunovsky.fmi.contents import fmu_files, headers_folder, source_files
 from brunovsky.native import compile_library
 from brunovsky.native.compiler import compiler_version, find_compiler
 
@@ -33,7 +33,7 @@ def measure(block: Block, folder: Path) -> dict[str, float]:
         if path.startswith("sources/"):
             (folder / Path(path).name).write_bytes(data)
     target = folder / "measure.so"
-    sources = [Path(__file__).with_suffix(".c"), *(folder / name for name in SOURCE_FILES)]
+    sources = [Path(__file__).with_suffix(".c"), *(folder / name for name in source_files(2))]
     compile_library(sources, target, include=[folder, headers_folder()])
     inputs = np.array([one.start + 0.1 for one in block.inputs])
     plain, fmu = np.empty(REPETITIONS), np.empty(REPETITIONS)
