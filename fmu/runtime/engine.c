@@ -26,7 +26,8 @@ static size_t doubles_saved(const Model *model)
 Engine *engine_new(const Model *model, double step_size)
 {
     const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
-    const size_t doubles = doubles_saved(model) + (size_t)(model->nu + model->ny) + 9 * nx + 2 * nq + 1;
+    const size_t trial = 2 * (nx + (size_t)model->ny) + nq; /* of event_matters */
+    const size_t doubles = doubles_saved(model) + (size_t)(model->nu + model->ny) + 9 * nx + 2 * nq + trial + 1;
     const size_t integers = (size_t)(2 * model->nm + 3 * model->nr + model->nk) + 1;
     Engine *engine = calloc(1, sizeof *engine);
     double *store = calloc(doubles, sizeof *store);
@@ -56,7 +57,8 @@ Engine *engine_new(const Model *model, double step_size)
     engine->du = engine->previous + nq;
     engine->u_begin = engine->du + INPUT_ORDERS * model->nu;
     engine->y = engine->u_begin + model->nu;
-    engine->work = engine->y + model->ny;
+    engine->trial = engine->y + model->ny;
+    engine->work = engine->trial + trial;
     engine->due = due;
     engine->m = flags;
     engine->r = flags + 2 * model->nm;
@@ -215,11 +217,35 @@ void engine_relations(Engine *engine)
     }
 }
 
+/* Whether there is an event here that changes anything: that fires a transition, or changes an output or a derivative.
+ * One that does not is over: its relations are those of the moment. */
+static int event_matters(Engine *e)
+{
+    const Model *model = e->model;
+    const size_t nx = (size_t)model->nx, nq = (size_t)model->nq, ny = (size_t)model->ny;
+    const int *now = e->r + 2 * model->nr;
+    double *old = e->trial, *new = old + nx + ny;
+    if (!engine_relations_differ(e))
+        return 0;
+    memcpy(old, e->x, (nx + nq) * sizeof *old);
+    memcpy(e->m + model->nm, e->m, (size_t)model->nm * sizeof *e->m);
+    if (model->transitions && model->fire(e->time, e->x, e->u, e->p, e->q, e->m, now, old, old + nx, e->m + model->nm))
+        return 1;
+    model->derivatives(VALUES(e), old);
+    model->outputs(VALUES(e), old + nx);
+    model->derivatives(e->time, e->x, e->u, e->p, e->q, e->m, now, new);
+    model->outputs(e->time, e->x, e->u, e->p, e->q, e->m, now, new + nx);
+    if (memcmp(old, new, (nx + ny) * sizeof *old) != 0)
+        return 1;
+    memcpy(e->r, now, (size_t)model->nr * sizeof *now);
+    return 0;
+}
+
 int engine_pause(Engine *engine)
 {
     int paused = 0;
     engine->inputs_set = 0;
-    if (engine->pause_at_event && engine_relations_differ(engine))
+    if (engine->pause_at_event && event_matters(engine))
         paused = engine->event_due = 1;
     if (engine->observe && engine->observe(engine->observer, ENGINE_STEPPED))
         paused = 1;
@@ -436,7 +462,7 @@ static int try_advance(Engine *engine, double stop)
     }
     if (!engine->leave_events)
         engine_relations(engine);
-    else if (engine_relations_differ(engine) || sample_is_due(engine))
+    else if (event_matters(engine) || sample_is_due(engine))
         engine->event_due = 1;
     return engine_check_finite(engine);
 }

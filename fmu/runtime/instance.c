@@ -351,6 +351,7 @@ Result instance_step(Instance *instance, double time, double length)
 {
     Engine *engine = instance->engine;
     const double before = engine->time;
+    const int relations_before = instance->relations_current;
     Result result = check_step(instance, time, length);
     int status;
     engine->event_due = 0;
@@ -371,6 +372,7 @@ Result instance_step(Instance *instance, double time, double length)
         return DONE;
     }
     engine->time = before;
+    instance->relations_current = relations_before;
     if (instance->listener.tell)
         instance_listen(instance, instance->listener);
     return instance_report(instance, DISCARDED, "%s", engine->message);
