@@ -38,8 +38,9 @@ def tick(instance: Component, clocks: Sequence[str], *, active: bool = True) -> 
 def in_event_mode(
     instance: Component, times: Sequence[float], inputs: Signals, names: Sequence[str], clocks: Sequence[str] = ()
 ) -> tuple[Rows, list[float]]:
-    """Co-simulation from an initialised instance: rows after the events of each communication point, at which the inputs
-    change and the clocks tick; and the instants of the events between them.
+    """Co-simulation from an initialised instance; at each communication point inputs change and clocks tick.
+
+    Rows after the events of those points, and the instants of the events between them.
     """
     rows, events = [], []
     for index, time in enumerate(times):
