@@ -24,7 +24,7 @@ def lag():
     """x' = u - x."""
     x, u = symbols("x", "u")
     return Block(
-        "lag",
+        "first_order_lag",
         inputs=(Input("u", "1", "input", 0.0),),
         states=(State("x", "1", "lagged", derivative=u - x),),
         outputs=(Output("x", "1", "lagged", x), Output("twice", "1", "twice the input", 2 * u)),
