@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 ARGS ?= -n auto
 BIN := $(VENV)/bin
+# The matrices are small: threads of the linear algebra would only wait for each other.
+export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: run test lint docs clean
 run: $(VENV)/installed

@@ -1,33 +1,22 @@
 /* Time derivatives of inputs and outputs, by which a master extrapolates signals over communication steps. */
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 
 #include "instance.h"
 #include "output_derivatives.h"
 
 #define FIRST_PARAMETER 3 /* value reference: see description.h */
 
-static Result refuse(Instance *instance, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(instance->message, sizeof instance->message, format, arguments);
-    va_end(arguments);
-    return FAILED;
-}
-
 Result instance_admits_input_derivative(Instance *instance, unsigned reference, int order, double value)
 {
     const Model *model = instance->engine->model;
     const unsigned input = reference - (unsigned)(FIRST_PARAMETER + model->np); /* wraps below the first one */
     if (input >= (unsigned)model->nu)
-        return refuse(instance, "only inputs have derivatives to set, and value reference %u is none", reference);
+        return instance_report(instance, FAILED, "only inputs have derivatives to set, and value reference %u is none", reference);
     if (order < 1 || order > INPUT_ORDERS)
-        return refuse(instance, "the derivative of %s is of order %d; a step follows those from 1 to %d",
+        return instance_report(instance, FAILED, "the derivative of %s is of order %d; a step follows those from 1 to %d",
                       model->u_names[input], order, INPUT_ORDERS);
     if (!isfinite(value))
-        return refuse(instance, "the derivative of order %d of %s cannot be set to %g: it is not finite", order,
+        return instance_report(instance, FAILED, "the derivative of order %d of %s cannot be set to %g: it is not finite", order,
                       model->u_names[input], value);
     return DONE;
 }
@@ -51,9 +40,9 @@ Result instance_get_output_derivative(Instance *instance, unsigned reference, in
     if (result != DONE)
         return result;
     if (output >= (unsigned)model->ny)
-        return refuse(instance, "only outputs have derivatives to get, and value reference %u is none", reference);
+        return instance_report(instance, FAILED, "only outputs have derivatives to get, and value reference %u is none", reference);
     if (order < 1 || order > brunovsky_output_derivatives.order)
-        return refuse(instance, "the derivative of %s is of order %d; there are those from 1 to %d (maxOutputDerivativeOrder)",
+        return instance_report(instance, FAILED, "the derivative of %s is of order %d; there are those from 1 to %d (maxOutputDerivativeOrder)",
                       model->y_names[output], order, brunovsky_output_derivatives.order);
     if (!instance->output_derivatives_current)
         brunovsky_output_derivatives.evaluate(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m,
@@ -61,7 +50,7 @@ Result instance_get_output_derivative(Instance *instance, unsigned reference, in
     instance->output_derivatives_current = 1;
     *value = instance->dy[(order - 1) * model->ny + (int)output];
     if (!isfinite(*value))
-        return refuse(instance, "%s: the derivative of order %d of %s is not finite at t = %.9g s", model->name, order,
+        return instance_report(instance, FAILED, "%s: the derivative of order %d of %s is not finite at t = %.9g s", model->name, order,
                       model->y_names[output], engine->time);
     return DONE;
 }

@@ -65,6 +65,8 @@ int rk4_integrate(Engine *engine, double stop)
             return ENGINE_FAILED;
         engine->time = i + 1 < count ? begin + (double)(i + 1) * size : stop;
         inputs_at(engine, engine->time);
+        if (engine_pause(engine) != ENGINE_OK)
+            return ENGINE_PAUSED;
     }
     return ENGINE_OK;
 }

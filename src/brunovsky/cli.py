@@ -54,6 +54,7 @@ BLOCKS: Mapping[str, Callable[[], br.Block]] = {
         "sliding_mode",
         "sliding_mode_relay",
         "sliding_mode_sampled",
+        "sliding_mode_clocked",
         "super_twisting",
         "super_twisting_sampled",
         "integral_sliding_mode",
@@ -120,7 +121,7 @@ def build(
     platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
 ) -> None:
     """Build FMUs: co-simulation and model exchange in one file, no interpreter inside."""
-    names = blocks or list(shipped_fmus())
+    names = blocks or list(shipped_fmus(2))
     chosen = {name: _known(name, BLOCKS, "block") for name in names}
     with _progress() as progress:
         task = progress.add_task("building FMUs", total=len(chosen))

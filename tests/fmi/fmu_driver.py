@@ -2,9 +2,10 @@
 
 import ctypes
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 from fmpy import read_model_description
 from fmpy.fmi2 import fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, fmi2EventInfo
 
@@ -93,6 +94,43 @@ class Driver:
 
     def status_of_get(self, name: str) -> int:
         return self.transfer("Get", [name], [0])[0]
+
+    def references(self, names: Sequence[str]) -> ctypes.Array[ctypes.c_uint]:
+        return (ctypes.c_uint * len(names))(*(self.variables[one].valueReference for one in names))
+
+    def directional(
+        self, unknowns: Sequence[str], knowns: Sequence[str], seed: Sequence[float]
+    ) -> tuple[int, list[float]]:
+        """Status and values of fmi2GetDirectionalDerivative."""
+        found = (ctypes.c_double * len(unknowns))()
+        vector = (ctypes.c_double * len(knowns))(*seed)
+        sizes = ctypes.c_size_t(len(unknowns)), ctypes.c_size_t(len(knowns))
+        status = self.call(
+            "GetDirectionalDerivative",
+            self.references(unknowns), sizes[0], self.references(knowns), sizes[1], vector, found,
+        )  # fmt: skip
+        return status, list(found)
+
+    def jacobian(self, unknowns: Sequence[str], knowns: Sequence[str]) -> np.ndarray:
+        """Directional derivatives along each known, as columns; each fmi2OK."""
+        found = np.zeros((len(unknowns), len(knowns)))
+        for column, known in enumerate(knowns):
+            status, found[:, column] = self.directional(unknowns, [known], [1.0])
+            assert status == OK, f"{known}: {self.text}"
+        return found
+
+    def real_unknowns(self) -> list[str]:
+        """Names of the Real outputs and state derivatives."""
+        rows = (*self.description.outputs, *self.description.derivatives)
+        return [one.variable.name for one in rows if one.variable.type == "Real"]
+
+    def states(self) -> list[str]:
+        return [one.variable.derivative.name for one in self.description.derivatives]
+
+    def named(self, causality: str) -> list[str]:
+        """Names of the Real variables of a causality."""
+        rows = self.description.modelVariables
+        return [one.name for one in rows if one.causality == causality and one.type == "Real"]
 
     def outputs(self) -> list[float]:
         return self.get(*(one.name for one in self.description.modelVariables if one.causality == "output"))

@@ -30,7 +30,7 @@ def test_both_interfaces_say_what_they_can(any_fmu):
     for one in (description.coSimulation, description.modelExchange):
         assert one.modelIdentifier == any_fmu.block.name
         assert one.canGetAndSetFMUstate and one.canSerializeFMUstate
-        assert not one.providesDirectionalDerivative and not one.canBeInstantiatedOnlyOncePerProcess
+        assert one.providesDirectionalDerivative and not one.canBeInstantiatedOnlyOncePerProcess
     assert description.coSimulation.canHandleVariableCommunicationStepSize
     assert description.coSimulation.canInterpolateInputs
     assert description.coSimulation.maxOutputDerivativeOrder == output_derivatives(any_fmu.block).order == 3

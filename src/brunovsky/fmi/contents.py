@@ -14,15 +14,20 @@ import fmpy
 
 from brunovsky._resources import resource, runtime_folder
 from brunovsky.blocks import Block
+from brunovsky.errors import ModelError
 from brunovsky.fmi.description2 import model_description
+from brunovsky.fmi.structure import dependency_tables
 from brunovsky.fmi.variables import scalar_variables
-from brunovsky.native import compile_library, model_source
+from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
 from brunovsky.native.output_derivatives import output_derivatives_source
 
-_RUNTIME = (*ENGINE_SOURCES, "instance.c", "extrapolation.c", "fmi2.c")
-_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h", "output_derivatives.h")
-SOURCE_FILES = ("model.c", "output_derivatives.c", "description.c", *_RUNTIME)
+_RUNTIME = (*ENGINE_SOURCES, "instance.c", "variables.c", "extrapolation.c", "sensitivity.c", "state.c", "fmu.c", "fmi2.c")
+_HEADERS = (
+    *ENGINE_HEADERS, "description.h", "instance.h", "variables.h", "jacobian.h", "output_derivatives.h", "sensitivity.h",
+    "fmu.h",
+)  # fmt: skip
+SOURCE_FILES = ("model.c", "jacobian.c", "output_derivatives.c", "description.c", *_RUNTIME)
 """C files that make up the binary; the first three are generated."""
 
 _TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN"}
@@ -43,15 +48,17 @@ def fmu_files(block: Block) -> Mapping[str, bytes]:
     Raises
     ------
     ModelError
-        If the block uses a name that every FMU has.
+        If the block uses a name that every FMU has, or has clocks, which FMI 2 does not know.
     CompilerError
         If there is no C compiler or it fails.
     """
     from brunovsky import __version__  # known only when the package is imported whole
 
+    _refuse_clocks(block)
     blank = model_description(block, "", SOURCE_FILES, __version__)
     generated = {
         "model.c": model_source(block).encode(),
+        "jacobian.c": jacobian_source(block).encode(),
         "output_derivatives.c": output_derivatives_source(block).encode(),
     }
     runtime = {name: (runtime_folder() / name).read_bytes() for name in (*_RUNTIME, *_HEADERS)}
@@ -64,9 +71,19 @@ def fmu_files(block: Block) -> Mapping[str, bytes]:
     return MappingProxyType(files)
 
 
+def _refuse_clocks(block: Block) -> None:
+    if block.clocks:
+        names = ", ".join(one.name for one in block.clocks)
+        raise ModelError(
+            f"{block.name} has clocks ({names}), which FMI 2 does not know; export it with fmi_version=3, or give its "
+            "samples a period instead, as sliding_mode_sampled does in place of sliding_mode_clocked"
+        )
+
+
 def description_source(block: Block, token: str) -> str:
     """C text of what the runtime needs of the description: ``brunovsky_description`` of ``description.h``."""
-    types = {one.name: _TYPES[one.type] for one in scalar_variables(block) if one.causality == "output"}
+    variables = scalar_variables(block)
+    types = {one.name: _TYPES[one.type] for one in variables if one.causality == "output"}
     modes = [f'"{one.name}"' for one in block.modes]
     return "\n".join(
         [
@@ -74,10 +91,15 @@ def description_source(block: Block, token: str) -> str:
             '#include "description.h"',
             "",
             _table("char *const", "m_names", modes),
+            _table("char *const", "z_names", [f'"indicator {k}"' for k in range(1, len(block.indicators) + 1)]),
             _table("Type", "y_types", [types[one.name] for one in block.outputs], "REAL"),
             _table("int", "p_tunable", [str(int(one.tunable)) for one in block.parameters]),
+            *dependency_tables(block, variables),
             "",
-            f'const Description brunovsky_description = {{"{token}", m_names, y_types, p_tunable}};',
+            "const Description brunovsky_description = {",
+            f'    "{token}", m_names, z_names, y_types, p_tunable, 0, initial, running,',
+            "    sizeof initial / sizeof *initial - 1, sizeof running / sizeof *running - 1,",
+            "};",
             "",
         ]
     )

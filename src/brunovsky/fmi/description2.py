@@ -14,6 +14,7 @@ from brunovsky.native.output_derivatives import output_derivatives
 
 LOG_CATEGORIES = {
     "logEvents": "changes of states, samples and modes at events",
+    "logSingularity": "singular becomes true or false",
     "logStatusWarning": "warnings; always logged",
     "logStatusDiscard": "calls with status fmi2Discard; always logged",
     "logStatusError": "calls with status fmi2Error; always logged",
@@ -79,7 +80,7 @@ def _interfaces(root: etree._Element, block: Block, source_files: Sequence[str])
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "false",
+        "providesDirectionalDerivative": "true",
     }
     for tag, own in (
         ("ModelExchange", {"completedIntegratorStepNotNeeded": "false"}),

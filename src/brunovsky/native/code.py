@@ -205,6 +205,9 @@ def _tables(block: Block) -> list[str]:
     def numbers(kind: str, name: str, items: Iterable[float]) -> str:
         return f"static const {kind} {name}[] = {{{', '.join([*map(_number, items), '0'])}}};"
 
+    fixed = {one.symbol: index for index, one in enumerate(block.parameters)}
+    values = {one.symbol: sp.Float(one.value) for one in block.parameters}
+    clocks = {one.name: index for index, one in enumerate(block.clocks)}
     return [
         strings("p_names", (one.name for one in block.parameters)),
         strings("u_names", (one.name for one in block.inputs)),
@@ -219,6 +222,11 @@ def _tables(block: Block) -> list[str]:
         numbers("double", "u_default", (one.start for one in block.inputs)),
         numbers("int", "m_start", (one.start for one in block.modes)),
         numbers("int", "q_rank", (one.rank for one in block.samples)),
+        strings("k_names", (one.name for one in block.clocks)),
+        numbers("int", "k_parameter", (fixed.get(one.period, -1) for one in block.clocks)),
+        numbers("double", "k_period", (float(one.period.xreplace(values)) for one in block.clocks)),
+        numbers("int", "q_clock", (clocks.get(one.clock, -1) for one in block.samples)),
+        numbers("double", "x_nominal", (one.nominal for one in block.states)),
     ]
 
 
@@ -238,8 +246,10 @@ def _model(block: Block) -> str:
         "ny": block.outputs,
         "nz": block.indicators,
         "transitions": block.transitions,
+        "nk": block.clocks,
     }
     tables = "p_names u_names x_names q_names y_names p_default p_min p_max u_default m_start q_rank check_names"
+    tables += " k_names k_parameter k_period q_clock x_nominal"
     functions = "start periods derivatives outputs indicators relations updates fire start_check failure_check"
     names = f"{tables} check_messages {functions}".split()
     fields = [f".name = {_quoted(block.name)}"]

@@ -1,0 +1,365 @@
+/* Directional and adjoint derivatives from the entries of the frozen-branch Jacobian. See sensitivity.h.
+ *
+ * Both walk through the same chain. After initialization it is one product with the Jacobian of the equations. In
+ * initialization mode states and samples are no knowns but functions of the others: start values, then the updates of
+ * the first instant rank by rank, then the equations. Directions with factor zero are left out, so that an entry that
+ * is not finite matters only where it acts.
+ */
+#include "sensitivity.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "jacobian.h"
+#include "variables.h"
+
+#define MAX_EVENT_ITERATIONS 20
+
+struct Sensitivity {
+    double *columns;  /* a vector over time, states, inputs, parameters, samples */
+    double *rows;     /* a vector over state derivatives, outputs, states */
+    double *equations, *updates, *starts, *fresh; /* entries; fresh ones of updates */
+    double *x, *q, *x_new, *q_new;                /* of the first instant, gone through again */
+    int *m, *r, *m_new;
+};
+
+Sensitivity *sensitivity_new(void)
+{
+    const Model *model = &brunovsky_model;
+    const Jacobian *jacobian = &brunovsky_jacobian;
+    const size_t nx = (size_t)model->nx, nq = (size_t)model->nq, ny = (size_t)model->ny;
+    const size_t nm = (size_t)model->nm, updates = (size_t)jacobian->updates.count;
+    const size_t columns = 1 + nx + (size_t)(model->nu + model->np) + nq, rows = 2 * nx + ny;
+    const size_t doubles =
+        columns + rows + (size_t)(jacobian->equations.count + jacobian->starts.count) + 2 * updates + 2 * (nx + nq);
+    Sensitivity *one = calloc(1, sizeof *one + doubles * sizeof(double) + (2 * nm + (size_t)model->nr) * sizeof(int));
+    if (!one)
+        return NULL;
+    one->columns = (double *)(one + 1);
+    one->rows = one->columns + columns;
+    one->equations = one->rows + rows;
+    one->updates = one->equations + jacobian->equations.count;
+    one->starts = one->updates + updates;
+    one->fresh = one->starts + jacobian->starts.count;
+    one->x = one->fresh + updates;
+    one->q = one->x + nx;
+    one->x_new = one->q + nq;
+    one->q_new = one->x_new + nx;
+    one->m = (int *)(one->q_new + nq);
+    one->m_new = one->m + nm;
+    one->r = one->m_new + nm;
+    return one;
+}
+
+/* Where things are -------------------------------------------------------------------------------------------------- */
+
+/* What stands around the name of a state where its derivative is meant. */
+static const char *opening(Kind kind)
+{
+    return kind == DERIVATIVE ? "der(" : "";
+}
+
+static const char *closing(Kind kind)
+{
+    return kind == DERIVATIVE ? ")" : "";
+}
+
+/* Row of an unknown; FAILED if it is none. */
+static Result row_of(Instance *instance, unsigned reference, int *row)
+{
+    const Model *model = instance->engine->model;
+    const int initial = instance->phase == INITIALIZATION;
+    int index;
+    const Kind kind = variable_locate(reference, &index);
+    *row = kind == DERIVATIVE ? index : kind == OUTPUT ? model->nx + index : model->nx + model->ny + index;
+    if (kind == UNKNOWN)
+        return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
+    if (kind == DERIVATIVE || (kind == OUTPUT && variable_type(kind, index) == REAL) || (kind == STATE && initial))
+        return DONE;
+    return instance_report(instance, FAILED, "%s%s%s is no unknown: derivatives are of Real outputs and state derivatives%s",
+                  opening(kind), variable_name(kind, index), closing(kind), initial ? ", and of states" : "");
+}
+
+/* Column of a known, -1 if nothing depends on it; FAILED if it is none. */
+static Result column_of(Instance *instance, unsigned reference, int *column)
+{
+    const Model *model = instance->engine->model;
+    const int initial = instance->phase == INITIALIZATION;
+    int index;
+    const Kind kind = variable_locate(reference, &index);
+    const int state = variable_state(kind, index);
+    *column = -1;
+    if (kind == UNKNOWN)
+        return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
+    if (state >= 0 && !initial)
+        *column = 1 + state;
+    else if (kind == TIME)
+        *column = 0;
+    else if (kind == INPUT)
+        *column = 1 + model->nx + index;
+    else if (kind == PARAMETER)
+        *column = 1 + model->nx + model->nu + index;
+    else if (kind != STEP_SIZE)
+        return instance_report(instance, FAILED, "%s%s%s is no known: derivatives are with respect to time, inputs%s",
+                      opening(kind), variable_name(kind, index), closing(kind), initial ? " and parameters" : ", parameters and continuous states");
+    return DONE;
+}
+
+/* Entries ----------------------------------------------------------------------------------------------------------- */
+
+#define AGAIN(sensitivity, engine)                                                                                    \
+    (engine)->time, (sensitivity)->x, (engine)->u, (engine)->p, (sensitivity)->q, (sensitivity)->m, (sensitivity)->r
+
+/* The samples of the first instant, each rank with the values that it saw. */
+static void differentiate_samples(Sensitivity *one, const Engine *engine)
+{
+    const Model *model = engine->model;
+    const Pattern *pattern = &brunovsky_jacobian.updates;
+    model->relations(engine->time, one->x, engine->u, engine->p, one->q, one->m, one->r);
+    for (int rank = 0; rank < model->ranks; rank++) {
+        brunovsky_jacobian.differentiate_updates(AGAIN(one, engine), one->fresh);
+        for (int k = 0; k < pattern->count; k++)
+            if (model->q_rank[pattern->row[k]] == rank)
+                one->updates[k] = one->fresh[k];
+        model->updates(AGAIN(one, engine), one->q_new);
+        for (int i = 0; i < model->nq; i++)
+            if (model->q_rank[i] == rank && engine->due[i] > 0)
+                one->q[i] = one->q_new[i];
+        model->relations(engine->time, one->x, engine->u, engine->p, one->q, one->m, one->r);
+    }
+}
+
+/* Name of a state or sample that a transition of the first instant assigned; NULL if none did. */
+static const char *assigned_by_transition(Sensitivity *one, const Engine *engine)
+{
+    const Model *model = engine->model;
+    for (int i = 0; model->transitions && i <= MAX_EVENT_ITERATIONS; i++) {
+        for (int k = 0; k < model->nx; k++)
+            one->x_new[k] = NAN;
+        for (int k = 0; k < model->nq; k++)
+            one->q_new[k] = NAN;
+        memcpy(one->m_new, one->m, (size_t)model->nm * sizeof *one->m);
+        if (!model->fire(AGAIN(one, engine), one->x_new, one->q_new, one->m_new))
+            return NULL;
+        for (int k = 0; k < model->nx; k++)
+            if (!isnan(one->x_new[k]))
+                return model->x_names[k];
+        for (int k = 0; k < model->nq; k++)
+            if (!isnan(one->q_new[k]))
+                return model->q_names[k];
+        memcpy(one->m, one->m_new, (size_t)model->nm * sizeof *one->m);
+        model->relations(engine->time, one->x, engine->u, engine->p, one->q, one->m, one->r);
+    }
+    return NULL;
+}
+
+static Result differentiate_start(Instance *instance)
+{
+    const Engine *engine = instance->engine;
+    const Model *model = engine->model;
+    Sensitivity *one = instance->sensitivity;
+    const char *name;
+    brunovsky_jacobian.differentiate_starts(engine->p, one->starts);
+    model->start(engine->p, one->x, one->q);
+    memcpy(one->m, model->m_start, (size_t)model->nm * sizeof *one->m);
+    differentiate_samples(one, engine);
+    name = assigned_by_transition(one, engine);
+    if (name)
+        return instance_report(instance, FAILED, "there are no derivatives in initialization mode: a transition of the first "
+                      "instant assigned %s; ask for them afterwards", name);
+    return DONE;
+}
+
+/* All entries, of the values that the instance has now. */
+static Result prepare(Instance *instance)
+{
+    const Engine *engine = instance->engine;
+    Result result = instance_refresh(instance);
+    if (result == DONE && !instance->entries_current && instance->phase == INITIALIZATION)
+        result = differentiate_start(instance);
+    if (result != DONE)
+        return result;
+    if (!instance->entries_current)
+        brunovsky_jacobian.differentiate_equations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m,
+                                                   engine->r, instance->sensitivity->equations);
+    instance->entries_current = 1;
+    return DONE;
+}
+
+/* Products ---------------------------------------------------------------------------------------------------------- */
+
+/* out += J in; rank >= 0 takes only the rows of samples of that rank that were updated. */
+static void multiply(const Engine *engine, const Pattern *pattern, const double *entries, int rank, const double *in,
+                     double *out)
+{
+    for (int k = 0; k < pattern->count; k++) {
+        const int row = pattern->row[k];
+        if (in[pattern->column[k]] != 0 && (rank < 0 || (engine->model->q_rank[row] == rank && engine->due[row] > 0)))
+            out[row] += entries[k] * in[pattern->column[k]];
+    }
+}
+
+/* out += J^T in; rank as before. */
+static void multiply_transposed(const Engine *engine, const Pattern *pattern, const double *entries, int rank,
+                                const double *in, double *out)
+{
+    for (int k = 0; k < pattern->count; k++) {
+        const int row = pattern->row[k];
+        if (in[row] != 0 && (rank < 0 || (engine->model->q_rank[row] == rank && engine->due[row] > 0)))
+            out[pattern->column[k]] += entries[k] * in[row];
+    }
+}
+
+/* The states and samples of the start from the parameters: they are next to each other in x_new and q_new. */
+static void start_forward(const Engine *engine, Sensitivity *one)
+{
+    const Model *model = engine->model;
+    const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
+    double *p = one->columns + 1 + nx + model->nu, *q = p + model->np;
+    memset(one->x_new, 0, (nx + nq) * sizeof(double));
+    multiply(engine, &brunovsky_jacobian.starts, one->starts, -1, p, one->x_new);
+    memcpy(one->columns + 1, one->x_new, nx * sizeof(double));
+    memcpy(q, one->q_new, nq * sizeof(double));
+    for (int rank = 0; rank < model->ranks; rank++) {
+        memset(one->q_new, 0, nq * sizeof(double));
+        multiply(engine, &brunovsky_jacobian.updates, one->updates, rank, one->columns, one->q_new);
+        for (int i = 0; i < model->nq; i++)
+            if (model->q_rank[i] == rank && engine->due[i] > 0)
+                q[i] = one->q_new[i];
+    }
+}
+
+static void start_backward(const Engine *engine, Sensitivity *one)
+{
+    const Model *model = engine->model;
+    const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
+    double *p = one->columns + 1 + nx + model->nu, *q = p + model->np;
+    for (int rank = model->ranks - 1; rank >= 0; rank--) {
+        memset(one->q_new, 0, nq * sizeof(double));
+        for (int i = 0; i < model->nq; i++)
+            if (model->q_rank[i] == rank && engine->due[i] > 0) {
+                one->q_new[i] = q[i];
+                q[i] = 0;
+            }
+        multiply_transposed(engine, &brunovsky_jacobian.updates, one->updates, rank, one->q_new, one->columns);
+    }
+    memcpy(one->x_new, one->columns + 1, nx * sizeof(double));
+    memcpy(one->q_new, q, nq * sizeof(double));
+    multiply_transposed(engine, &brunovsky_jacobian.starts, one->starts, -1, one->x_new, p);
+}
+
+static Result check(Instance *instance, const char *what, unsigned reference, double value)
+{
+    char name[192];
+    int index;
+    const Kind kind = variable_locate(reference, &index);
+    if (isfinite(value))
+        return DONE;
+    snprintf(name, sizeof name, "the derivative %s %s%s%s", what, opening(kind), variable_name(kind, index), closing(kind));
+    return instance_not_finite(instance, name);
+}
+
+typedef Result Place(Instance *instance, unsigned reference, int *index);
+
+/* A seed spread over rows or columns; the other side is only checked. */
+static Result spread(Instance *instance, Place *place, const unsigned *seeded, size_t n_seeded, const double *seed,
+                     double *vector, Place *other, const unsigned *asked, size_t n_asked)
+{
+    Result result = DONE;
+    int index;
+    for (size_t i = 0; i < n_asked && result == DONE; i++)
+        result = other(instance, asked[i], &index);
+    for (size_t i = 0; i < n_seeded && result == DONE; i++) {
+        result = place(instance, seeded[i], &index);
+        if (result == DONE && !isfinite(seed[i]))
+            result = instance_report(instance, FAILED, "seed %lu cannot be %g: it is not finite", (unsigned long)i, seed[i]);
+        if (result == DONE && index >= 0)
+            vector[index] += seed[i];
+    }
+    return result;
+}
+
+static void clear(const Instance *instance)
+{
+    Sensitivity *one = instance->sensitivity;
+    memset(one->columns, 0, (size_t)(one->equations - one->columns) * sizeof(double));
+}
+
+Result instance_directional(Instance *instance, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,
+                            size_t n_knowns, const double *seed, double *result)
+{
+    Sensitivity *one = instance->sensitivity;
+    const Engine *engine = instance->engine;
+    const Model *model = engine->model;
+    int row;
+    Result status = prepare(instance);
+    clear(instance);
+    if (status == DONE)
+        status = spread(instance, column_of, knowns, n_knowns, seed, one->columns, row_of, unknowns, n_unknowns);
+    if (status != DONE)
+        return status;
+    if (instance->phase == INITIALIZATION)
+        start_forward(engine, one);
+    multiply(engine, &brunovsky_jacobian.equations, one->equations, -1, one->columns, one->rows);
+    memcpy(one->rows + model->nx + model->ny, one->columns + 1, (size_t)model->nx * sizeof(double));
+    for (size_t i = 0; i < n_unknowns && status == DONE; i++) {
+        row_of(instance, unknowns[i], &row);
+        result[i] = one->rows[row];
+        status = check(instance, "of", unknowns[i], result[i]);
+    }
+    return status;
+}
+
+Result instance_adjoint(Instance *instance, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,
+                        size_t n_knowns, const double *seed, double *result)
+{
+    Sensitivity *one = instance->sensitivity;
+    const Engine *engine = instance->engine;
+    const Model *model = engine->model;
+    int column;
+    Result status = prepare(instance);
+    clear(instance);
+    if (status == DONE)
+        status = spread(instance, row_of, unknowns, n_unknowns, seed, one->rows, column_of, knowns, n_knowns);
+    if (status != DONE)
+        return status;
+    memcpy(one->columns + 1, one->rows + model->nx + model->ny, (size_t)model->nx * sizeof(double));
+    multiply_transposed(engine, &brunovsky_jacobian.equations, one->equations, -1, one->rows, one->columns);
+    if (instance->phase == INITIALIZATION)
+        start_backward(engine, one);
+    for (size_t k = 0; k < n_knowns && status == DONE; k++) {
+        column_of(instance, knowns[k], &column);
+        result[k] = column < 0 ? 0 : one->columns[column];
+        status = check(instance, "with respect to", knowns[k], result[k]);
+    }
+    return status;
+}
+
+/* Dependencies ------------------------------------------------------------------------------------------------------ */
+
+const Dependency *instance_dependencies(const Instance *instance, unsigned unknown, size_t *count)
+{
+    const Description *description = &brunovsky_description;
+    const int initial = (instance->phase & (INSTANTIATED | INITIALIZATION)) != 0;
+    const Dependency *one = initial ? description->initial : description->running;
+    const Dependency *end = one + (initial ? description->n_initial : description->n_running);
+    while (one < end && one->unknown != unknown)
+        one++;
+    for (*count = 0; one + *count < end && one[*count].unknown == unknown; ++*count)
+        ;
+    return one;
+}
+
+Result instance_count_dependencies(Instance *instance, unsigned unknown, size_t *count)
+{
+    int index;
+    const Kind kind = variable_locate(unknown, &index);
+    if (kind == UNKNOWN)
+        return instance_report(instance, FAILED, "there is no variable with value reference %u", unknown);
+    if (kind < OUTPUT || kind == SAMPLE || kind == MODE)
+        return instance_report(instance, FAILED, "%s is no unknown: it depends on nothing", variable_name(kind, index));
+    instance_dependencies(instance, unknown, count);
+    return DONE;
+}
