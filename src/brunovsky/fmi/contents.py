@@ -22,7 +22,16 @@ from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
 from brunovsky.native.output_derivatives import output_derivatives_source
 
-_RUNTIME = (*ENGINE_SOURCES, "instance.c", "variables.c", "extrapolation.c", "sensitivity.c", "state.c", "fmu.c", "fmi2.c")
+_RUNTIME = (
+    *ENGINE_SOURCES,
+    "instance.c",
+    "variables.c",
+    "extrapolation.c",
+    "sensitivity.c",
+    "state.c",
+    "fmu.c",
+    "fmi2.c",
+)
 _HEADERS = (
     *ENGINE_HEADERS, "description.h", "instance.h", "variables.h", "jacobian.h", "output_derivatives.h", "sensitivity.h",
     "fmu.h",
