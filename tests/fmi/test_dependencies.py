@@ -1,5 +1,8 @@
 """Declared dependencies against what changes when each known is perturbed, at many points."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from fmpy import read_model_description
@@ -7,6 +10,9 @@ from fmu_driver import Driver
 
 from brunovsky.blocks import library
 from brunovsky.fmi import model_structure, scalar_variables
+
+sys.path.append(str(Path(__file__).parents[1] / "blocks"))
+from gallery_blocks import gallery_block
 
 POINTS = 12
 REPEATS = 6
@@ -109,9 +115,10 @@ def test_initial_dependencies_of_the_robot_are_exact(robot):
     assert _declared(read_model_description(str(robot.fmu)).initialUnknowns) == _initial_dependencies(robot.folder)
 
 
-@pytest.mark.parametrize("name", ["loop", "sampled_integrator", "relay", "zoo", "circle"])
+@pytest.mark.parametrize("name", ["loop", "sampled_integrator", "relay", "zoo", "circle", "ball_and_beam"])
 def test_dependencies_are_declared_for_everything_that_changes(name, request, exported):
-    fmu = exported(library.circle()) if name == "circle" else request.getfixturevalue(name)
+    others = {"circle": library.circle, "ball_and_beam": lambda: gallery_block("ball_and_beam")[0]}
+    fmu = others[name]() if name in others else request.getfixturevalue(name)
     fmu = fmu if hasattr(fmu, "folder") else exported(fmu)
     description = read_model_description(str(fmu.fmu))
     running = _declared((*description.outputs, *description.derivatives))

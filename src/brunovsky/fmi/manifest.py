@@ -8,9 +8,7 @@ from collections.abc import Mapping
 from brunovsky._resources import resource
 from brunovsky.blocks import Block, library
 from brunovsky.errors import ParameterError
-
-FMI_VERSIONS = (2, 3)
-"""Versions of the standard that an entry of the manifest without ``fmi`` is for."""
+from brunovsky.fmi.contents import FMI_VERSIONS
 
 
 def shipped_fmus(fmi_version: int | None = None) -> Mapping[str, str]:

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
+from sympy.printing.codeprinter import PrintMethodNotImplementedError
 
 from brunovsky.blocks import TIME, Block, Relation, Variable
 
@@ -24,7 +25,7 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
     """C99 with the block's symbols as array elements, and whole powers up to 4 as products."""
 
     def __init__(self, names: dict[sp.Symbol, str]) -> None:
-        super().__init__({"precision": 17})
+        super().__init__({"precision": 17, "math_macros": {}})  # C99 has no M_PI
         self._names = names
 
     def _print_Symbol(self, expr: sp.Symbol) -> str:
@@ -36,6 +37,11 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
             product = "*".join([self.parenthesize(base, sp.printing.precedence.PRECEDENCE["Pow"])] * abs(exponent))
             return f"({product})" if exponent > 0 else f"(1.0/({product}))"
         return str(super()._print_Pow(expr))
+
+    def _print_NumberSymbol(self, expr: sp.NumberSymbol) -> str:
+        return repr(float(expr))
+
+    _print_Pi = _print_Exp1 = _print_GoldenRatio = _print_EulerGamma = _print_Catalan = _print_NumberSymbol
 
     def _print_Or(self, expr: sp.Or) -> str:
         return " || ".join(f"({self._print(one)})" for one in sp.ordered(expr.args))
@@ -63,6 +69,14 @@ class BlockText:
         for letter, group in groups:
             names |= {one.symbol: f"{letter}[{index}]" for index, one in enumerate(group)}
         self._printer = _Printer(names)
+
+    def prints(self, expression: sp.Basic) -> bool:
+        """Whether C has all functions of an expression."""
+        try:
+            self._printer.doprint(expression)
+        except PrintMethodNotImplementedError:
+            return False
+        return True
 
     def assignments(self, targets: Sequence[str], expressions: Sequence[sp.Basic]) -> list[str]:
         """Statements that compute the expressions, common subexpressions first."""

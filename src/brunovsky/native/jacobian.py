@@ -12,6 +12,7 @@ from functools import lru_cache
 from itertools import count
 
 import sympy as sp
+from sympy.printing.codeprinter import PrintMethodNotImplementedError
 
 from brunovsky.blocks import TIME, Block, Sample, State, Variable
 from brunovsky.native.code import BlockText
@@ -130,7 +131,8 @@ def jacobian_source(block: Block) -> str:
     Returns
     -------
     str
-        Defines ``const Jacobian brunovsky_jacobian`` of ``jacobian.h``.
+        Defines ``const Jacobian brunovsky_jacobian`` of ``jacobian.h``. An entry with a function that C does not have
+        (the derivative of the gamma function) is not a number, which is refused where it acts.
     """
     text, derivatives = BlockText(block), jacobian(block)
     parts = {"equations": derivatives.equations, "updates": derivatives.updates, "starts": derivatives.starts}
@@ -147,7 +149,11 @@ def jacobian_source(block: Block) -> str:
     lines.append("")
     for name, matrix in parts.items():
         arguments = ("const double *p",) if name == "starts" else ()
-        lines.append(text.function(f"differentiate_{name}", "entries", matrix.entries, *arguments))
+        try:
+            lines.append(text.function(f"differentiate_{name}", "entries", matrix.entries, *arguments))
+        except PrintMethodNotImplementedError:
+            entries = [one if text.prints(one) else sp.nan for one in matrix.entries]
+            lines.append(text.function(f"differentiate_{name}", "entries", entries, *arguments))
         fields.append(f"    .differentiate_{name} = differentiate_{name},")
     return "\n".join([*lines, "const Jacobian brunovsky_jacobian = {", *fields, "};", ""])
 
