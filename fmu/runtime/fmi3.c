@@ -22,9 +22,10 @@
 #include "fmi3Functions.h"
 
 #include <math.h>
-#include <string.h>
+#include <stdlib.h>
 
 #include "fmu.h"
+#include "sensitivity.h"
 
 #define SETTABLE (INSTANTIATED | INITIALIZATION | STEP | EVENT | CONTINUOUS_TIME | INTERMEDIATE | ACTIVATION)
 #define ONLY(INTERFACE) (1 << INTERFACE)
@@ -687,11 +688,139 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
 }
 
 /* Derivatives ------------------------------------------------------------------------------------------------------ */
+/* Value references of the scalars that these variables consist of: the list itself where all are scalars, otherwise one
+ * that has to be freed; NULL if out of memory. */
+static const unsigned *scalars(const fmi3ValueReference references[], size_t count, size_t total)
+{
+    unsigned *list, *next;
+    if (!brunovsky_description.spans)
+        return references;
+    list = next = malloc((total + 1) * sizeof *list);
+    for (size_t i = 0; list && i < count; i++)
+        for (unsigned k = 0; k < span(references[i]); k++)
+            *next++ = references[i] + k;
+    return list;
+}
 
-#define STUB { return fmi3Error; }
-fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance i, fmi3ValueReference v, size_t *n) { (void)i;(void)v;(void)n; return fmi3Error; }
-fmi3Status fmi3GetVariableDependencies(fmi3Instance i, fmi3ValueReference d, size_t e[], fmi3ValueReference v[], size_t f[], fmi3DependencyKind k[], size_t n) { (void)i;(void)d;(void)e;(void)v;(void)f;(void)k;(void)n; return fmi3Error; }
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference u[], size_t nu, const fmi3ValueReference k[], size_t nk, const fmi3Float64 s[], size_t ns, fmi3Float64 r[], size_t nr) { (void)i;(void)u;(void)nu;(void)k;(void)nk;(void)s;(void)ns;(void)r;(void)nr; return fmi3Error; }
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance i, const fmi3ValueReference u[], size_t nu, const fmi3ValueReference k[], size_t nk, const fmi3Float64 s[], size_t ns, fmi3Float64 r[], size_t nr) { (void)i;(void)u;(void)nu;(void)k;(void)nk;(void)s;(void)ns;(void)r;(void)nr; return fmi3Error; }
-fmi3Status fmi3GetOutputDerivatives(fmi3Instance i, const fmi3ValueReference v[], size_t nv, const fmi3Int32 o[], fmi3Float64 r[], size_t n) { (void)i;(void)v;(void)nv;(void)o;(void)r;(void)n; return fmi3Error; }
+static void release(const unsigned *list, const fmi3ValueReference references[])
+{
+    if (list != references)
+        free((void *)list);
+}
 
+typedef Result Product(Instance *instance, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,
+                       size_t n_knowns, const double *seed, double *result);
+
+static fmi3Status multiply(const Fmu *fmu, const char *function, Product *product, const fmi3ValueReference unknowns[],
+                           size_t nUnknowns, size_t unknown_values, const fmi3ValueReference knowns[], size_t nKnowns,
+                           size_t known_values, const fmi3Float64 seed[], fmi3Float64 sensitivity[])
+{
+    const unsigned *rows, *columns;
+    fmi3Status status;
+    if (fmu_refused(fmu, function, READABLE & ~INTERMEDIATE) || fmu_missing(fmu, function, nUnknowns, unknowns, unknowns) ||
+        fmu_missing(fmu, function, nKnowns, knowns, knowns) ||
+        fmu_missing(fmu, function, nKnowns && nUnknowns, seed, sensitivity) ||
+        miscounted(fmu, function, unknowns, nUnknowns, unknown_values) ||
+        miscounted(fmu, function, knowns, nKnowns, known_values))
+        return fmi3Error;
+    rows = scalars(unknowns, nUnknowns, unknown_values);
+    columns = scalars(knowns, nKnowns, known_values);
+    if ((!rows && nUnknowns) || (!columns && nKnowns))
+        status = fail(fmu, function, "out of memory");
+    else
+        status = status_of(fmu, function, product(fmu->instance, rows, unknown_values, columns, known_values, seed, sensitivity));
+    release(rows, unknowns);
+    release(columns, knowns);
+    return status;
+}
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
+                                        const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+                                        size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+{
+    return multiply(instance, __func__, instance_directional, unknowns, nUnknowns, nSensitivity, knowns, nKnowns, nSeed,
+                    seed, sensitivity);
+}
+
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
+                                    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+                                    size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+{
+    return multiply(instance, __func__, instance_adjoint, unknowns, nUnknowns, nSeed, knowns, nKnowns, nSensitivity, seed,
+                    sensitivity);
+}
+
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                    size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
+{
+    const Fmu *fmu = instance;
+    size_t next = 0;
+    if (fmu_refused_to(fmu, __func__, ONLY(CO_SIMULATION), STEP | INTERMEDIATE | TERMINATED) ||
+        fmu_missing(fmu, __func__, nValueReferences, valueReferences, values) ||
+        fmu_missing(fmu, __func__, nValueReferences, orders, orders) ||
+        miscounted(fmu, __func__, valueReferences, nValueReferences, nValues))
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++)
+        for (unsigned k = 0; k < span(valueReferences[i]); k++) {
+            const Result result =
+                instance_get_output_derivative(fmu->instance, valueReferences[i] + k, orders[i], &values[next++]);
+            if (result != DONE)
+                return status_of(fmu, __func__, result);
+        }
+    return fmi3OK;
+}
+
+/* Dependencies ----------------------------------------------------------------------------------------------------- */
+
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference valueReference,
+                                               size_t *nDependencies)
+{
+    const Fmu *fmu = instance;
+    size_t total = 0, one = 0;
+    if (fmu_refused(fmu, __func__, ANY_PHASE & ~INTERMEDIATE) || fmu_missing(fmu, __func__, 1, nDependencies, nDependencies))
+        return fmi3Error;
+    if (!span(valueReference))
+        return fail(fmu, __func__, "there is no variable with this value reference, which is an element of an array");
+    for (unsigned k = 0; k < span(valueReference); k++, total += one) {
+        const Result result = instance_count_dependencies(fmu->instance, valueReference + k, &one);
+        if (result != DONE)
+            return status_of(fmu, __func__, result);
+    }
+    *nDependencies = total;
+    return fmi3OK;
+}
+
+/* Variable that an element belongs to, and the element's index in it, from 1. */
+static fmi3ValueReference variable_of(unsigned element, size_t *index)
+{
+    fmi3ValueReference variable = element;
+    while (!span(variable))
+        variable--;
+    *index = element - variable + 1;
+    return variable;
+}
+
+fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
+                                       size_t elementIndicesOfDependent[], fmi3ValueReference independents[],
+                                       size_t elementIndicesOfIndependents[], fmi3DependencyKind dependencyKinds[],
+                                       size_t nDependencies)
+{
+    const Fmu *fmu = instance;
+    size_t next = 0, expected = 0;
+    if (fmi3GetNumberOfVariableDependencies(instance, dependent, &expected) != fmi3OK ||
+        fmu_missing(fmu, __func__, nDependencies, elementIndicesOfDependent, independents) ||
+        fmu_missing(fmu, __func__, nDependencies, elementIndicesOfIndependents, dependencyKinds))
+        return fmi3Error;
+    if (nDependencies != expected)
+        return fail(fmu, __func__, "the number of dependencies is not that of fmi3GetNumberOfVariableDependencies");
+    for (unsigned k = 0; next < expected; k++) {
+        size_t count;
+        const Dependency *found = instance_dependencies(fmu->instance, dependent + k, &count);
+        for (size_t i = 0; i < count; i++, next++) {
+            elementIndicesOfDependent[next] = k + 1;
+            independents[next] = variable_of(found[i].known, &elementIndicesOfIndependents[next]);
+            dependencyKinds[next] = (fmi3DependencyKind)found[i].kind;
+        }
+    }
+    return fmi3OK;
+}

@@ -389,3 +389,21 @@ def test_passing_derivatives_on_raises_the_order_of_a_coupling():
     for one in parts:
         one.freeInstance()
     assert found == pytest.approx([1, 2, 3, 4], abs=0.2)
+
+
+def test_fmi_3_gives_the_same_derivatives_of_outputs():
+    """Inputs are held over a step of FMI 3, so derivatives of v are 0."""
+    with br.component(library.linearized_robot(), 3) as robot:
+        robot.enterInitializationMode()
+        robot.setFloat64([robot.references[one] for one in ROBOT], list(ROBOT.values()))
+        robot.exitInitializationMode()
+        robot.setFloat64([robot.references["v[1]"], robot.references["v[2]"]], [0.5, -1.0])
+        robot.doStep(0.0, 0.3)
+        names = [low for low, _ in CHAINS] + ["Z1[3]", "Z2[3]"]
+        first = robot.getOutputDerivatives([robot.references[one] for one in names], [1] * 6)
+        chains = robot.getFloat64([robot.references[high] for _, high in CHAINS])
+        assert first == pytest.approx([*chains, 0.5, -1.0], rel=1e-13, abs=1e-13)
+        second = robot.getOutputDerivatives([robot.references[one] for one in names[-2:]], [2, 2])
+        assert second == pytest.approx([0, 0], abs=1e-13)
+        with pytest.raises(br.BrunovskyError, match=r"x has no derivative of order 4; those of an output are 1 to 3"):
+            robot.getOutputDerivatives([robot.references["x"]], [4])
