@@ -146,6 +146,8 @@ class _Graph:
             return sp.Add(*(sp.Mul(*args[:index], rate, *args[index + 1 :]) for index, rate in moving))
         if isinstance(expression, sp.Pow) and rates[1] == 0:  # finite where the base is 0
             return args[1] * args[0] ** (args[1] - 1) * rates[0]
+        if not moving:
+            return sp.S.Zero
         places = [sp.Dummy() for _ in args]
         outer = expression.func(*places)
         return sp.Add(
