@@ -20,8 +20,16 @@ from brunovsky.fmi.variables import scalar_variables
 from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
 
-_RUNTIME = (*ENGINE_SOURCES, "instance.c", "sensitivity.c", "fmi2.c")
-_HEADERS = (*ENGINE_HEADERS, "description.h", "instance.h", "jacobian.h", "sensitivity.h", "variables.h")
+_RUNTIME = (*ENGINE_SOURCES, "instance.c", "sensitivity.c", "first_instant.c", "dependencies.c", "fmi2.c")
+_HEADERS = (
+    *ENGINE_HEADERS,
+    "description.h",
+    "first_instant.h",
+    "instance.h",
+    "jacobian.h",
+    "sensitivity.h",
+    "variables.h",
+)
 SOURCE_FILES = ("model.c", "jacobian.c", "description.c", *_RUNTIME)
 """C files that make up the binary; the first three are generated."""
 
