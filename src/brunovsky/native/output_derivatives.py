@@ -146,6 +146,8 @@ class _Graph:
             return sp.Add(*(sp.Mul(*args[:index], rate, *args[index + 1 :]) for index, rate in moving))
         if isinstance(expression, sp.Pow) and rates[1] == 0:  # finite where the base is 0
             return args[1] * args[0] ** (args[1] - 1) * rates[0]
+        if not moving:
+            return sp.S.Zero
         places = [sp.Dummy() for _ in args]
         outer = expression.func(*places)
         return sp.Add(
@@ -197,9 +199,10 @@ def output_derivatives_source(block: Block) -> str:
     Returns
     -------
     str
-        Defines ``const OutputDerivatives brunovsky_output_derivatives`` of ``output_derivatives.h``.
+        Defines ``const OutputDerivatives brunovsky_output_derivatives`` of ``output_derivatives.h``. What has a function
+        that C does not have is not a number, which is refused when it is asked for.
     """
-    code, count = output_derivatives(block), len(block.outputs)
+    text, code, count = BlockText(block), output_derivatives(block), len(block.outputs)
     values = {
         f"dy[{row * count + column}]": value
         for row, line in enumerate(code.values)
@@ -212,7 +215,10 @@ def output_derivatives_source(block: Block) -> str:
             "#include <math.h>",
             '#include "output_derivatives.h"',
             "",
-            BlockText(block).program(header, [*code.statements, *values.items()]),
+            text.program(
+                header,
+                [(target, one if text.prints(one) else sp.nan) for target, one in (*code.statements, *values.items())],
+            ),
             f"const OutputDerivatives brunovsky_output_derivatives = {{{code.order}, evaluate}};",
             "",
         ]
