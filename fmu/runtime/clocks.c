@@ -42,29 +42,31 @@ Result instance_period(Instance *instance, unsigned reference, double *period)
     return result;
 }
 
-Result instance_set_period(Instance *instance, unsigned reference, double period)
+Result instance_admits_period(Instance *instance, unsigned reference, double period)
 {
     const Model *model = instance->engine->model;
     int clock, parameter;
-    Result result = find_clock(instance, reference, &clock);
+    const Result result = find_clock(instance, reference, &clock);
     if (result != DONE)
         return result;
     parameter = model->k_parameter[clock];
     if (parameter < 0)
         return instance_report(instance, FAILED, "%s has a constant interval, %g s", model->k_names[clock],
                                model->k_period[clock]);
-    result = instance_admits(instance, REAL, 3 + (unsigned)parameter, period);
-    if (result == DONE)
-        instance_set(instance, 3 + (unsigned)parameter, period);
-    return result;
+    return instance_admits(instance, REAL, 3 + (unsigned)parameter, period);
+}
+
+void instance_set_period(Instance *instance, unsigned reference, double period)
+{
+    int clock;
+    variable_locate(reference, &clock);
+    instance_set(instance, 3 + (unsigned)instance->engine->model->k_parameter[clock], period);
 }
 
 Result instance_activate(Instance *instance, unsigned reference, double time)
 {
     Engine *engine = instance->engine;
-    double before;
     int clock;
-    Event event;
     Result result = find_clock(instance, reference, &clock);
     if (result != DONE)
         return result;
@@ -75,18 +77,16 @@ Result instance_activate(Instance *instance, unsigned reference, double time)
     result = instance_check_parameters(instance);
     if (result != DONE)
         return result;
-    before = engine->time;
+    instance_outdate(instance);
+    engine_save(engine, engine->backup);
     engine->time = time;
     engine_tick(engine, clock, 1);
-    result = instance_event(instance, &event);
-    if (result == DONE && engine_check_finite(engine) != ENGINE_OK)
-        result = instance_report(instance, FAILED, "%s", engine->message);
-    if (result == DONE) {
-        instance->activation[clock] = time;
-        return DONE;
+    if (engine_event(engine) != ENGINE_OK || engine_check_finite(engine) != ENGINE_OK) {
+        engine_restore(engine, engine->backup);
+        return instance_report(instance, FAILED, "%s", engine->message);
     }
-    engine_restore(engine, engine->backup); /* as instance_event began: the clock ticks */
-    engine_tick(engine, clock, 0);
-    engine->time = before;
-    return result;
+    engine->event_due = 0;
+    instance->relations_current = 1;
+    instance->activation[clock] = time;
+    return DONE;
 }

@@ -58,11 +58,13 @@ fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReferenc
     if (fmu_refused(fmu, __func__, INSTANTIATED | INITIALIZATION) ||
         fmu_missing(fmu, __func__, nValueReferences, valueReferences, intervals))
         return fmi3Error;
-    for (size_t i = 0; i < nValueReferences; i++) {
-        const Result result = instance_set_period(fmu->instance, valueReferences[i], intervals[i]);
+    for (size_t i = 0; i < nValueReferences; i++) { /* all are checked before the first one is set */
+        const Result result = instance_admits_period(fmu->instance, valueReferences[i], intervals[i]);
         if (result != DONE)
             return status_of(fmu, __func__, result);
     }
+    for (size_t i = 0; i < nValueReferences; i++)
+        instance_set_period(fmu->instance, valueReferences[i], intervals[i]);
     return fmi3OK;
 }
 

@@ -176,7 +176,7 @@ fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueRe
 static const unsigned *scalars(const fmi3ValueReference references[], size_t count, size_t total)
 {
     unsigned *list, *next;
-    if (!brunovsky_description.spans)
+    if (!brunovsky_description.spans || !count)
         return references;
     list = next = malloc((total + 1) * sizeof *list);
     for (size_t i = 0; list && i < count; i++)

@@ -107,7 +107,8 @@ Result instance_step(Instance *instance, double time, double length);
 Result instance_tick(Instance *instance, unsigned reference, int active);
 Result instance_ticks(Instance *instance, unsigned reference, int *active);
 Result instance_period(Instance *instance, unsigned reference, double *period);
-Result instance_set_period(Instance *instance, unsigned reference, double period);
+Result instance_admits_period(Instance *instance, unsigned reference, double period); /* before it is set */
+void instance_set_period(Instance *instance, unsigned reference, double period);
 Result instance_activate(Instance *instance, unsigned reference, double time);
 
 /* Event mode, of model exchange and of co-simulation. */
