@@ -84,7 +84,7 @@ int serialize(Subject *subject);
 int deserialize(Subject *subject);
 void free_kept(const Subject *subject);
 
-/* exchange.c: a run of model exchange, and its random calls */
+/* exchange_calls.c: a run of model exchange, and its random calls */
 void exchange_step(Subject *subject, double time, double length, double *next);
 double settle_events(Subject *subject); /* events until done, back in continuous time; instant of the next one */
 int completed_step(Subject *subject);

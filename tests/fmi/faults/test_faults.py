@@ -8,7 +8,7 @@ import shutil
 import subprocess
 
 import pytest
-from fault_programs import PLAIN, SANITIZERS, Programs, works
+from fault_programs import PLAIN, SANITIZERS, Fmu, Programs, works
 
 from brunovsky.blocks import Block, library
 
@@ -22,21 +22,30 @@ NAMES = (
     "ball",
     "zoo",
 )
+CASES = [(name, 2) for name in NAMES] + [(name, 3) for name in NAMES]
+CASES += [("sliding_mode_clocked", 3), ("linearized_robot", "arrays"), ("sliding_mode_clocked", "arrays")]
+QUICK = [one for one in CASES if one not in {("closed_loop", 2), ("sliding_mode_relay", 3), ("super_twisting", 3)}]
+"""Name of a block, and the version of FMI: 2, 3, or 3 with arrays."""
 SEED = 1
 
 
-@pytest.fixture(scope="module")
-def block(request: pytest.FixtureRequest) -> Block:
-    if request.param in ("ball", "zoo"):
-        return request.getfixturevalue(request.param)
-    if request.param != "robot_without_minimum":
-        return getattr(library, request.param)()
+@pytest.fixture
+def fmu(request: pytest.FixtureRequest) -> Fmu:
+    name, version = request.param
+    return Fmu(_block(request, name), 2 if version == 2 else 3, version == "arrays")
+
+
+def _block(request: pytest.FixtureRequest, name: str) -> Block:
+    if name in ("ball", "zoo"):
+        return request.getfixturevalue(name)
+    if name != "robot_without_minimum":
+        return getattr(library, name)()
     robot = library.linearized_robot()
     values = {one.name: getattr(robot, one.name) for one in dataclasses.fields(Block)}
     values["parameters"] = tuple(
         dataclasses.replace(one, value=0.0) if one.name == "eta_min" else one for one in robot.parameters
     )
-    return Block(**values | {"name": "robot_without_minimum"})
+    return Block(**values | {"name": name})
 
 
 def _programs(tmp_path_factory: pytest.TempPathFactory, name: str, options: tuple[str, ...]) -> Programs:
@@ -62,22 +71,27 @@ def _run(*command: object, timeout: float = 120) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("block", NAMES, indirect=True)
-def test_random_calls_are_clean(block: Block, sanitized: Programs) -> None:
-    assert "50000 calls" in _run(sanitized.build(block, "fuzz"), SEED, 50_000)
+@pytest.mark.parametrize("fmu", QUICK, indirect=True, ids=str)
+def test_random_calls_are_clean(fmu: Fmu, sanitized: Programs) -> None:
+    assert "30000 calls" in _run(sanitized.build(fmu, "fuzz"), SEED, 30_000)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", NAMES, indirect=True)
-def test_many_random_calls_are_clean(block: Block, sanitized: Programs) -> None:
+@pytest.mark.parametrize("fmu", CASES, indirect=True, ids=str)
+def test_many_random_calls_are_clean(fmu: Fmu, sanitized: Programs) -> None:
     for seed in range(2, 12):
-        _run(sanitized.build(block, "fuzz"), seed, 300_000, timeout=600)
+        _run(sanitized.build(fmu, "fuzz"), seed, 300_000, timeout=600)
 
 
-@pytest.mark.parametrize("block", ["linearized_robot", "sliding_mode_sampled", "zoo"], indirect=True)
-def test_out_of_memory_is_an_error_and_leaves_nothing(block: Block, sanitized: Programs) -> None:
-    found = _run(sanitized.build(block, "memory"))
-    assert found.count("allocations each failed") == 2, "of both interface types"
+@pytest.mark.parametrize(
+    "fmu",
+    [("linearized_robot", 2), ("sliding_mode_sampled", 2), ("zoo", 3), ("sliding_mode_clocked", "arrays")],
+    indirect=True,
+    ids=str,
+)
+def test_out_of_memory_is_an_error_and_leaves_nothing(fmu: Fmu, sanitized: Programs) -> None:
+    found = _run(sanitized.build(fmu, "memory"))
+    assert found.count("allocations each failed") >= 2, "of each kind of instance"
 
 
 def _valgrind() -> list[str]:
@@ -86,16 +100,16 @@ def _valgrind() -> list[str]:
     return ["valgrind", "--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=all"]
 
 
-def test_valgrind_finds_nothing(plain: Programs) -> None:
-    robot = library.linearized_robot()
-    _run(*_valgrind(), plain.build(robot, "memory"))
-    _run(*_valgrind(), plain.build(robot, "fuzz"), SEED, 3000)
+@pytest.mark.parametrize("fmu", [("linearized_robot", 2), ("sliding_mode_clocked", 3)], indirect=True, ids=str)
+def test_valgrind_finds_nothing(fmu: Fmu, plain: Programs) -> None:
+    _run(*_valgrind(), plain.build(fmu, "memory"))
+    _run(*_valgrind(), plain.build(fmu, "fuzz"), SEED, 3000)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", NAMES, indirect=True)
-def test_valgrind_finds_nothing_in_many_calls(block: Block, plain: Programs) -> None:
-    _run(*_valgrind(), plain.build(block, "fuzz"), SEED, 100_000, timeout=600)
+@pytest.mark.parametrize("fmu", CASES, indirect=True, ids=str)
+def test_valgrind_finds_nothing_in_many_calls(fmu: Fmu, plain: Programs) -> None:
+    _run(*_valgrind(), plain.build(fmu, "fuzz"), SEED, 100_000, timeout=600)
 
 
 BUGS = {
@@ -111,8 +125,8 @@ BUGS = {
 """Pattern in the runtime and what replaces it."""
 
 
-@pytest.mark.parametrize("block", ["linearized_robot"], indirect=True)
+@pytest.mark.parametrize("fmu", [("linearized_robot", 2)], indirect=True, ids=str)
 @pytest.mark.parametrize("bug", BUGS)
-def test_a_bug_in_the_runtime_is_found(bug: str, block: Block, sanitized: Programs) -> None:
-    with pytest.raises(AssertionError, match=r"FAULT|ERROR: AddressSanitizer|LeakSanitizer|runtime error"):
-        _run(sanitized.build(block, "fuzz", BUGS[bug]), SEED, 50_000)
+def test_a_bug_in_the_runtime_is_found(bug: str, fmu: Fmu, sanitized: Programs) -> None:
+    with pytest.raises(AssertionError, match=r"FAULT|runtime error|Sanitizer"):
+        _run(sanitized.build(fmu, "fuzz", BUGS[bug]), SEED, 50_000)
