@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from brunovsky.blocks import Block
-from brunovsky.fmi.dependencies import InitialDependencies, RunningDependencies
+from brunovsky.fmi.dependencies import InitialDependencies, Kinds, RunningDependencies
 from brunovsky.fmi.variables import ScalarVariable
 
 
@@ -87,12 +87,27 @@ def model_structure(block: Block, variables: Sequence[ScalarVariable], fmi_versi
         order = sorted(by_index)
         return Unknown(index, tuple(order), tuple(by_index[one] for one in order))
 
+    def at_ticks(expression: sp.Basic) -> Kinds:
+        return running(expression) | _behind_ticks(block, running, expression)
+
     return ModelStructure(
-        tuple(unknown(index, running(expressions[index])) for index in outputs),
-        tuple(unknown(index, running(expressions[index])) for index in derivatives),
+        tuple(unknown(index, at_ticks(expressions[index])) for index in outputs),
+        tuple(unknown(index, at_ticks(expressions[index])) for index in derivatives),
         tuple(unknown(index, initially(expressions[index]), ticks=False) for index in sorted(initial)),
         tuple(unknown(index, running(indicators[index])) for index in sorted(indicators)),
     )
+
+
+def _behind_ticks(
+    block: Block, running: RunningDependencies, expression: sp.Basic, below: float = float("inf")
+) -> Kinds:
+    """What an expression depends on while a clock ticks: what its samples of clocks are computed from."""
+    found: Kinds = {}
+    for one in block.samples:
+        if one.clock and one.rank < below and one.symbol in block.depends_on(expression):
+            behind = _behind_ticks(block, running, one.update, one.rank)
+            found |= dict.fromkeys([*running(one.update), *behind], "dependent")
+    return found
 
 
 def indicator_reference(block: Block) -> int:
