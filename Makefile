@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 ARGS ?= -n auto
 BIN := $(VENV)/bin
+# The matrices are small: threads of the linear algebra would only wait for each other.
+export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: run test lint docs clean
 run: $(VENV)/installed
@@ -26,10 +28,13 @@ $(BIN)/python:
 		{ echo "brunovsky needs Python 3.11 or newer; name one with make PYTHON=python3.12"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
-# One mark for each set of extras; a newer pyproject.toml or constraints.txt installs again.
+# One mark for each set of extras, a larger set marks the smaller ones too; a newer pyproject.toml or constraints.txt
+# installs again.
 $(VENV)/installed: EXTRAS :=
 $(VENV)/installed-tests: EXTRAS := [test]
+$(VENV)/installed-tests: SMALLER := $(VENV)/installed
 $(VENV)/installed-dev: EXTRAS := [dev]
+$(VENV)/installed-dev: SMALLER := $(VENV)/installed $(VENV)/installed-tests
 $(VENV)/installed $(VENV)/installed-tests $(VENV)/installed-dev: pyproject.toml constraints.txt | $(BIN)/python
 	$(BIN)/python -m pip install --disable-pip-version-check --progress-bar off -q -c constraints.txt -e '.$(EXTRAS)'
-	@touch $@
+	@touch $@ $(SMALLER)

@@ -57,12 +57,27 @@ def test_list_names_everything_that_ships(run) -> None:  # type: ignore[no-untyp
         assert name in out
 
 
-def test_build_writes_valid_fmus(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_build_writes_valid_fmus_of_both_versions(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     status, out, _ = run("build", "-o", tmp_path, "circle", "linearized_robot")
     assert status == 0
-    for name in ("circle", "linearized_robot"):
-        path = tmp_path / "fmi2" / f"{name}.fmu"
-        assert str(path) in out and validate_fmu(str(path)) == []
+    for version in (2, 3):
+        for name in ("circle", "linearized_robot"):
+            path = tmp_path / f"fmi{version}" / f"{name}.fmu"
+            assert str(path) in out and validate_fmu(str(path)) == []
+
+
+def test_build_writes_the_version_asked_for(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    for version in ("2", "3"):
+        status, out, _ = run("build", "-o", tmp_path / version, "--fmi", version, "circle")
+        assert status == 0 and out.strip() == str(tmp_path / version / f"fmi{version}" / "circle.fmu")
+
+
+def test_build_knows_that_clocks_need_fmi_3(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = run("build", "-o", tmp_path, "sliding_mode_clocked")
+    assert status == 0 and out.strip() == str(tmp_path / "fmi3" / "sliding_mode_clocked.fmu")
+    status, out, err = run("build", "-o", tmp_path, "--fmi", "2", "sliding_mode_clocked")
+    assert status == 2 and out == "" and "sliding_mode_clocked has clocks (sampling), which FMI 2 does not know" in err
+    assert not (tmp_path / "fmi2").exists()
 
 
 @pytest.mark.parametrize(
@@ -71,7 +86,7 @@ def test_build_writes_valid_fmus(run, tmp_path: Path) -> None:  # type: ignore[n
         (["derive", "bicycle"], "there is no system 'bicycle'; did you mean 'unicycle'?"),
         (["derive", "gyroscope"], "there is no system 'gyroscope'; there is robot, ball_and_beam"),
         (["build", "aeroplane"], "there is no block 'aeroplane'; there is robot, linearized_robot"),
-        (["build", "--fmi", "3"], "'3' is not"),
+        (["build", "--fmi", "1"], "'1' is not"),
         (["build", "--platform", "vax"], "'vax' is not"),
         (["derive", "Robot"], "did you mean 'robot'?"),
         (["build", "robott"], "did you mean 'robot'?"),

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define ABSOLUTE 0.01 /* absolute tolerance of a state in its SI unit, as part of the relative one */
+#define ABSOLUTE 0.01 /* absolute tolerance of a state as part of the relative one, in units of its nominal value */
 #define SAFETY 0.9
 #define SMALLEST_FACTOR 0.2
 #define LARGEST_FACTOR 5.0
@@ -64,6 +64,7 @@ static double weighted(const Step *step, const double *weights, int stages, int 
 static void derivatives(const Step *step, double time, const double *x, double *dx)
 {
     const Engine *e = step->engine;
+    inputs_at(e, time);
     e->model->derivatives(time, x, e->u, e->p, e->q, e->m, e->r, dx);
 }
 
@@ -97,9 +98,10 @@ static void interpolate(const Step *step, double fraction, double *states)
     }
 }
 
-static double scale(const Engine *engine, double one, double other)
+static double scale(const Engine *engine, int i, double other)
 {
-    return ABSOLUTE * engine->tolerance + engine->tolerance * fmax(fabs(one), fabs(other));
+    const double largest = fmax(fabs(engine->x[i]), fabs(other));
+    return ABSOLUTE * engine->tolerance * engine->model->x_nominal[i] + engine->tolerance * largest;
 }
 
 static double mean_root(double squares, int count)
@@ -115,7 +117,7 @@ static double error_of(const Step *step)
     if (first_not_finite(step->end, engine->model->nx) >= 0)
         return NAN;
     for (int i = 0; i < engine->model->nx; i++) {
-        const double error = step->size * weighted(step, ERROR, STAGES, i) / scale(engine, engine->x[i], step->end[i]);
+        const double error = step->size * weighted(step, ERROR, STAGES, i) / scale(engine, i, step->end[i]);
         squares += error * error;
     }
     return mean_root(squares, engine->model->nx);
@@ -128,7 +130,7 @@ static double first_size(const Step *step, double longest)
     const int n = engine->model->nx;
     double *second = step->slopes + n, states = 0, slopes = 0, bend = 0;
     for (int i = 0; i < n; i++) {
-        const double weight = scale(engine, engine->x[i], engine->x[i]);
+        const double weight = scale(engine, i, engine->x[i]);
         states += engine->x[i] / weight * (engine->x[i] / weight);
         slopes += step->slopes[i] / weight * (step->slopes[i] / weight);
     }
@@ -140,7 +142,7 @@ static double first_size(const Step *step, double longest)
         step->end[i] = engine->x[i] + trial * step->slopes[i];
     derivatives(step, engine->time + trial, step->end, second);
     for (int i = 0; i < n; i++) {
-        const double change = (second[i] - step->slopes[i]) / scale(engine, engine->x[i], engine->x[i]);
+        const double change = (second[i] - step->slopes[i]) / scale(engine, i, engine->x[i]);
         bend += change * change;
     }
     bend = mean_root(bend, n) / trial;
@@ -167,6 +169,7 @@ static int differs(const Step *step, double fraction)
     int *now = e->r + e->model->nr;
     interpolate(step, fraction, step->inside);
     memcpy(now, e->r, size);
+    inputs_at(e, e->time + fraction * step->size);
     e->model->relations(e->time + fraction * step->size, step->inside, e->u, e->p, e->q, e->m, now);
     return memcmp(now, e->r, size) != 0;
 }
@@ -216,6 +219,7 @@ static int check_rejected(const Step *step, int steps, double smallest)
     const int bad = first_not_finite(step->end, engine->model->nx);
     for (int k = 0; k < STAGES && check == -1; k++) {
         stage_states(step, k, step->inside);
+        inputs_at(engine, engine->time + NODES[k] * step->size);
         check = engine_stage_check(engine, engine->time + NODES[k] * step->size, step->inside);
     }
     check = check < 0 ? -1 : check;
@@ -248,6 +252,7 @@ static void accept(const Step *step, double time)
 {
     const size_t n = (size_t)step->engine->model->nx;
     step->engine->time = time;
+    inputs_at(step->engine, time);
     memcpy(step->engine->x, step->end, n * sizeof(double));
     memcpy(step->slopes, step->slopes + (STAGES - 1) * n, n * sizeof(double));
 }
@@ -258,8 +263,9 @@ static int cut(const Step *step, double fraction)
     Engine *engine = step->engine;
     interpolate(step, fraction, step->inside);
     engine->time += fraction * step->size;
+    inputs_at(engine, engine->time);
     memcpy(engine->x, step->inside, (size_t)engine->model->nx * sizeof(double));
-    return engine_settle(engine);
+    return engine->pause_at_event ? ENGINE_OK : engine_settle(engine);
 }
 
 int dormand_prince_integrate(Engine *engine, double stop)
@@ -309,6 +315,9 @@ int dormand_prince_integrate(Engine *engine, double stop)
             events++;
             fresh = 1;
         }
+        if (engine_pause(engine) != ENGINE_OK)
+            return ENGINE_PAUSED;
+        fresh = fresh || engine->inputs_set;
         if (check_effort(engine, steps, events) != ENGINE_OK)
             return ENGINE_FAILED;
     }

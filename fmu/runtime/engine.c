@@ -4,8 +4,8 @@
  * transitions until nothing changes. A communication step is cut at sample instants; each piece is integrated by one of
  * two methods: equal substeps that each begin with an event (rk4.c), or steps chosen by the tolerance and cut where a
  * relation changes (dormand_prince.c). On the way out relations are evaluated once more, so that outputs belong to the
- * state reached and to the inputs of the step; samples and transitions of that instant wait for the next step and its
- * inputs.
+ * state reached and to the inputs at the end of the step; samples and transitions of that instant wait for the next
+ * step and its inputs. Inputs are held, or vary over a step as their derivatives say (inputs.c).
  */
 #include "solver.h"
 
@@ -20,14 +20,14 @@
 
 static size_t doubles_saved(const Model *model)
 {
-    return 4 + (size_t)(model->nx + model->nq + model->nu + model->np);
+    return 4 + (size_t)(model->nx + 2 * model->nq + (1 + INPUT_ORDERS) * model->nu + model->np);
 }
 
 Engine *engine_new(const Model *model, double step_size)
 {
     const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
-    const size_t doubles = doubles_saved(model) + (size_t)model->ny + 9 * nx + 2 * nq + 1;
-    const size_t integers = (size_t)(2 * model->nm + 2 * model->nr) + 1;
+    const size_t doubles = doubles_saved(model) + (size_t)(model->nu + model->ny) + 9 * nx + 2 * nq + 1;
+    const size_t integers = (size_t)(2 * model->nm + 3 * model->nr + model->nk) + 1;
     Engine *engine = calloc(1, sizeof *engine);
     double *store = calloc(doubles, sizeof *store);
     long long *due = calloc(nq + 1, sizeof *due);
@@ -52,11 +52,15 @@ Engine *engine_new(const Model *model, double step_size)
     engine->q = engine->x + nx;
     engine->u = engine->q + nq;
     engine->p = engine->u + model->nu;
-    engine->y = engine->p + model->np;
+    engine->previous = engine->p + model->np;
+    engine->du = engine->previous + nq;
+    engine->u_begin = engine->du + INPUT_ORDERS * model->nu;
+    engine->y = engine->u_begin + model->nu;
     engine->work = engine->y + model->ny;
     engine->due = due;
     engine->m = flags;
     engine->r = flags + 2 * model->nm;
+    engine->active = engine->r + 3 * model->nr;
     engine->reason = "";
     engine_reset(engine);
     return engine;
@@ -77,7 +81,7 @@ size_t engine_state_size(const Engine *engine)
 {
     const Model *model = engine->model;
     return doubles_saved(model) * sizeof(double) + (size_t)model->nq * sizeof(long long) +
-           (size_t)(1 + model->nm + model->nr) * sizeof(int);
+           (size_t)(2 + model->nm + model->nr + model->nk) * sizeof(int);
 }
 
 static void copy(char **bytes, void *values, size_t size, int restore)
@@ -96,11 +100,13 @@ static void transfer(Engine *engine, char *bytes, int restore)
     copy(&bytes, &engine->start_time, sizeof(double), restore);
     copy(&bytes, &engine->step_size, sizeof(double), restore);
     copy(&bytes, &engine->tolerance, sizeof(double), restore);
-    copy(&bytes, engine->x, (size_t)(model->nx + model->nq + model->nu + model->np) * sizeof(double), restore);
+    copy(&bytes, engine->x, (doubles_saved(model) - 4) * sizeof(double), restore); /* with q, u, p, previous and du */
     copy(&bytes, engine->due, (size_t)model->nq * sizeof(long long), restore);
     copy(&bytes, &engine->solver, sizeof(int), restore);
+    copy(&bytes, &engine->given, sizeof(int), restore);
     copy(&bytes, engine->m, (size_t)model->nm * sizeof(int), restore);
     copy(&bytes, engine->r, (size_t)model->nr * sizeof(int), restore);
+    copy(&bytes, engine->active, (size_t)model->nk * sizeof(int), restore);
 }
 
 void engine_save(const Engine *engine, void *bytes)
@@ -123,10 +129,15 @@ void engine_reset(Engine *engine)
         engine->p[i] = model->p_default[i];
     for (int i = 0; i < model->nu; i++)
         engine->u[i] = model->u_default[i];
+    for (int i = 0; i < INPUT_ORDERS * model->nu; i++)
+        engine->du[i] = 0;
+    engine->given = engine->varying = 0;
     for (int i = 0; i < model->nq; i++)
         engine->due[i] = 0;
     for (int i = 0; i < 2 * model->nm + model->nr; i++)
         engine->m[i] = 0;
+    for (int i = 0; i < model->nk; i++)
+        engine->active[i] = 0;
 }
 
 int engine_fail(Engine *engine, int check, const char *variable, const char *problem)
@@ -170,15 +181,59 @@ int engine_start(Engine *engine, double start_time, int model_exchange)
         engine->m[i] = model->m_start[i];
     for (int i = 0; i < model->nq; i++)
         engine->due[i] = 0;
+    for (int i = 0; i < model->nk; i++)
+        engine->active[i] = 0;
     if (engine_check_parameters(engine, model_exchange) != ENGINE_OK || engine_event(engine) != ENGINE_OK)
         return ENGINE_FAILED;
     return engine_check_finite(engine);
 }
 
+static void evaluate_relations(const Engine *e, int *relations)
+{
+    memcpy(relations, e->r, (size_t)e->model->nr * sizeof *relations);
+    e->model->relations(e->time, e->x, e->u, e->p, e->q, e->m, relations);
+}
+
+int engine_relations_differ(Engine *engine)
+{
+    int *now = engine->r + 2 * engine->model->nr;
+    if (!engine->model->nr)
+        return 0;
+    evaluate_relations(engine, now);
+    return memcmp(now, engine->r, (size_t)engine->model->nr * sizeof *now) != 0;
+}
+
 void engine_relations(Engine *engine)
 {
-    if (engine->model->nr)
+    if (!engine->model->nr)
+        return;
+    if (!engine->observe) {
         engine->model->relations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m, engine->r);
+    } else if (engine_relations_differ(engine)) {
+        evaluate_relations(engine, engine->r);
+        engine->observe(engine->observer, ENGINE_SWITCHED);
+    }
+}
+
+int engine_pause(Engine *engine)
+{
+    int paused = 0;
+    engine->inputs_set = 0;
+    if (engine->pause_at_event && engine_relations_differ(engine))
+        paused = engine->event_due = 1;
+    if (engine->observe && engine->observe(engine->observer, ENGINE_STEPPED))
+        paused = 1;
+    return paused ? ENGINE_PAUSED : ENGINE_OK;
+}
+
+static int is_clocked(const Engine *engine, int sample)
+{
+    return engine->clocked && engine->model->nk && engine->model->q_clock[sample] >= 0;
+}
+
+static int ticks(const Engine *engine, int sample)
+{
+    return is_clocked(engine, sample) && engine->active[engine->model->q_clock[sample]];
 }
 
 double engine_next_sample(const Engine *engine)
@@ -187,11 +242,20 @@ double engine_next_sample(const Engine *engine)
     double next = HUGE_VAL, *period = engine->work;
     model->periods(engine->p, period);
     for (int i = 0; i < model->nq; i++)
-        next = fmin(next, engine->start_time + (double)engine->due[i] * period[i]);
+        if (!is_clocked(engine, i))
+            next = fmin(next, engine->start_time + (double)engine->due[i] * period[i]);
     return next;
 }
 
-static void run_samples(Engine *engine)
+static int is_due(const Engine *engine, int sample, double period)
+{
+    const double instant = engine->start_time + (double)engine->due[sample] * period;
+    const double early = INSTANT_ROUNDING * fmin(period, engine->step_size);
+    return !is_clocked(engine, sample) && instant <= engine->time + early;
+}
+
+/* Samples of active clocks, and if `timed` those whose instant has come. */
+static void run_samples(Engine *engine, int timed)
 {
     const Model *model = engine->model;
     double *period = engine->work, *updated = period + model->nq;
@@ -201,17 +265,39 @@ static void run_samples(Engine *engine)
         int changed = 0;
         model->updates(VALUES(engine), updated);
         for (int i = 0; i < model->nq; i++) {
-            const double instant = engine->start_time + (double)engine->due[i] * period[i];
-            const double early = INSTANT_ROUNDING * fmin(period[i], engine->step_size);
-            if (model->q_rank[i] == rank && instant <= engine->time + early) {
+            const int due = timed && is_due(engine, i, period[i]);
+            if (model->q_rank[i] == rank && (due || ticks(engine, i))) {
                 engine->q[i] = updated[i];
-                engine->due[i]++;
+                engine->due[i] += due;
                 changed = 1;
             }
         }
         if (changed)
             engine_relations(engine);
     }
+}
+
+static void take_back_samples(Engine *engine)
+{
+    for (int i = 0; i < engine->model->nq; i++)
+        if (ticks(engine, i))
+            engine->q[i] = engine->previous[i];
+}
+
+void engine_tick(Engine *engine, int clock, int active)
+{
+    take_back_samples(engine);
+    if (active && !engine->active[clock])
+        for (int i = 0; i < engine->model->nq; i++)
+            if (engine->model->q_clock[i] == clock)
+                engine->previous[i] = engine->q[i];
+    engine->active[clock] = active;
+}
+
+void engine_sample_clocks(Engine *engine)
+{
+    take_back_samples(engine);
+    run_samples(engine, 0);
 }
 
 static int run_transitions(Engine *engine)
@@ -225,13 +311,19 @@ static int run_transitions(Engine *engine)
         return 0;
     memcpy(engine->x, x, (size_t)(model->nx + model->nq) * sizeof *x);
     memcpy(engine->m, m, (size_t)model->nm * sizeof *m);
+    if (engine->observe)
+        engine->observe(engine->observer, ENGINE_SWITCHED);
     return 1;
 }
 
 int engine_event(Engine *engine)
 {
-    if (engine->model->nq)
-        run_samples(engine);
+    if (engine->model->nq) {
+        take_back_samples(engine);
+        run_samples(engine, 1);
+        for (int i = 0; i < engine->model->nk; i++)
+            engine->active[i] = 0;
+    }
     return engine_settle(engine);
 }
 
@@ -302,6 +394,16 @@ static int integrate(Engine *engine, double stop)
     return engine->solver == SOLVER_RK4 ? rk4_integrate(engine, stop) : dormand_prince_integrate(engine, stop);
 }
 
+static int sample_is_due(const Engine *engine)
+{
+    const Model *model = engine->model;
+    model->periods(engine->p, engine->work);
+    for (int i = 0; i < model->nq; i++)
+        if (is_due(engine, i, engine->work[i]))
+            return 1;
+    return 0;
+}
+
 /* ENGINE_FAILED if a step of this length would not end in any time that one would wait. */
 static int check_length(Engine *engine, double length)
 {
@@ -318,27 +420,47 @@ static int check_length(Engine *engine, double length)
 
 static int try_advance(Engine *engine, double stop)
 {
+    int paused = 0;
+    engine->event_due = 0;
     if (check_length(engine, stop - engine->time) != ENGINE_OK || engine_event(engine) != ENGINE_OK)
         return ENGINE_FAILED;
-    while (engine->time < stop) {
+    while (engine->time < stop && !paused) {
         const double sample = engine_next_sample(engine);
         const double until = sample < stop - INSTANT_ROUNDING * engine->step_size ? sample : stop;
-        if (integrate(engine, until) != ENGINE_OK)
+        const int status = integrate(engine, until);
+        if (status == ENGINE_FAILED)
             return ENGINE_FAILED;
-        if (until < stop && engine_event(engine) != ENGINE_OK)
+        paused = status == ENGINE_PAUSED || (until < stop && engine->pause_at_event);
+        if (until < stop && !paused && engine_event(engine) != ENGINE_OK)
             return ENGINE_FAILED;
     }
-    engine_relations(engine);
+    if (!engine->leave_events)
+        engine_relations(engine);
+    else if (engine_relations_differ(engine) || sample_is_due(engine))
+        engine->event_due = 1;
     return engine_check_finite(engine);
+}
+
+static int give_up(Engine *engine)
+{
+    engine->varying = 0;
+    engine_restore(engine, engine->backup);
+    return ENGINE_FAILED;
 }
 
 static int advance_to(Engine *engine, double stop)
 {
     engine_save(engine, engine->backup);
-    if (try_advance(engine, stop) == ENGINE_OK)
+    return engine_begin_inputs(engine, stop) == ENGINE_OK ? engine_continue(engine, stop) : give_up(engine);
+}
+
+int engine_continue(Engine *engine, double stop)
+{
+    if (try_advance(engine, stop) == ENGINE_OK) {
+        engine_end_inputs(engine);
         return ENGINE_OK;
-    engine_restore(engine, engine->backup);
-    return ENGINE_FAILED;
+    }
+    return give_up(engine);
 }
 
 int engine_advance(Engine *engine, double length)

@@ -6,9 +6,11 @@
 
 #include "model.h"
 
-enum { ENGINE_OK = 0, ENGINE_FAILED = 1 };
+enum { ENGINE_OK = 0, ENGINE_FAILED = 1, ENGINE_PAUSED = 2 };
+enum { ENGINE_STEPPED, ENGINE_SWITCHED }; /* what is observed: an internal step is done; relations or modes changed */
 enum { SOLVER_RK4 = 1, SOLVER_DORMAND_PRINCE = 2 };
 
+#define INPUT_ORDERS 3 /* derivatives of an input that a step follows */
 #define DEFAULT_TOLERANCE 1e-6
 #define LEAST_TOLERANCE 1e-13
 #define LARGEST_TOLERANCE 1.0
@@ -27,6 +29,20 @@ typedef struct {
     const char *reason; /* after a failure: name of the check that explains it, or "diverged" */
     char variable[128]; /* after a failure: where it showed */
     char message[512];  /* after a failure: what was wrong, where and when */
+    double *du;         /* derivatives of the inputs, INPUT_ORDERS of each: see inputs.c */
+    double *u_begin, begin; /* inputs and time at the beginning of a step over which they vary */
+    int given, varying; /* derivatives were given for the next step; inputs vary over this one */
+
+    /* What a master wants of a communication step; all zero in the native simulation. */
+    int (*observe)(void *observer, int what); /* a result other than 0 after ENGINE_STEPPED ends the step there */
+    void *observer;
+    int inputs_set;     /* by the observer */
+    int leave_events;   /* events at the end of a step are the master's */
+    int pause_at_event; /* the step ends at its first event, which is the master's */
+    int event_due;      /* after a step: there is such an event */
+    int clocked;        /* samples of clocks wait for engine_tick */
+    int *active;        /* of each clock: it ticks at the present instant */
+    double *previous;   /* samples of active clocks before the tick */
 } Engine;
 
 ENGINE_API Engine *engine_new(const Model *model, double step_size); /* NULL if out of memory */
@@ -46,8 +62,19 @@ ENGINE_API int engine_event(Engine *engine);
 ENGINE_API void engine_relations(Engine *engine);
 ENGINE_API double engine_next_sample(const Engine *engine); /* instant of the next sample; HUGE_VAL if there is none */
 
-/* One communication step with the inputs held; on failure the state from before it is restored. */
+/* A tick of a clock at the present instant begins, or is taken back. The next engine_event makes it final;
+ * engine_sample_clocks computes the samples that belong to the present inputs before that. */
+ENGINE_API void engine_tick(Engine *engine, int clock, int active);
+ENGINE_API void engine_sample_clocks(Engine *engine);
+
+/* Derivative of an input, of order 1 to INPUT_ORDERS, where the next step begins; the others are 0. */
+ENGINE_API void engine_set_input_derivative(Engine *engine, int input, int order, double value);
+
+/* One communication step with the inputs held, or as their derivatives say; on failure the state from before it is
+ * restored. The step may end early, which engine->time tells: see pause_at_event and observe. */
 ENGINE_API int engine_advance(Engine *engine, double length);
+/* Its continuation to a time; on failure the state from before the step is restored. */
+ENGINE_API int engine_continue(Engine *engine, double stop);
 
 ENGINE_API void engine_outputs(Engine *engine); /* into engine->y */
 ENGINE_API void engine_derivatives(Engine *engine, double *dx);

@@ -8,101 +8,66 @@
  * - A communication step of zero length does nothing and is fmi2OK with a warning in the log.
  * - In event and continuous-time mode fmi2SetReal sets continuous states too, for masters that know no other way.
  * - fmi2SetupExperiment may be left out; the experiment then starts at 0 and has no end.
- * - Messages of warnings and errors are logged whatever the settings; "logEvents" only if it is switched on.
+ * - Messages of warnings and errors are logged whatever the settings; the other categories only if they are switched on.
  */
 #include "fmi2Functions.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "instance.h"
+#include "fmu.h"
 #include "sensitivity.h"
 
-typedef struct {
-    Instance *instance;
-    char *name;
-    fmi2CallbackLogger logger;
-    fmi2ComponentEnvironment environment;
-    int log_events;
-    fmi2Status last_step;
-} Fmu;
+const char *const TYPE_NAMES[] = {"Real", "Integer", "Boolean", "Enumeration", "Clock"};
 
-static const char *const CATEGORIES[] = {"logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError", "logAll"};
-
-/* Log ------------------------------------------------------------------------------------------------------------- */
 
 /* The logger takes a format, so per cent signs are doubled. */
-static void write_log(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment, const char *name, fmi2Status status,
-                      const char *category, const char *format, ...)
+static void write_log(void *callback, void *environment, const char *name, int status, const char *category,
+                      const char *text)
 {
-    char text[1024], escaped[2048], *end = escaped;
-    va_list arguments;
-    if (!logger)
-        return;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
+    const Logger *logger = callback;
+    const fmi2CallbackLogger write = (fmi2CallbackLogger)logger->callback;
+    char escaped[2048], *end = escaped;
     for (const char *one = text; *one; one++) {
         if (*one == '%')
             *end++ = '%';
         *end++ = *one;
     }
     *end = 0;
-    logger(environment, name, status, category, escaped);
+    write(environment, name, (fmi2Status)status, category, escaped);
 }
 
 static fmi2Status fail(const Fmu *fmu, const char *function, const char *problem)
 {
-    write_log(fmu->logger, fmu->environment, fmu->name, fmi2Error, "logStatusError", "%s: %s", function, problem);
-    return fmi2Error;
+    return (fmi2Status)fmu_fail(fmu, function, problem);
 }
 
-/* Status of a result, its message logged. */
 static fmi2Status status_of(const Fmu *fmu, const char *function, Result result)
 {
-    const char *message = fmu->instance->message;
-    switch (result) {
-    case DONE: return fmi2OK;
-    case WARNED:
-        write_log(fmu->logger, fmu->environment, fmu->name, fmi2Warning, "logStatusWarning", "%s: %s", function, message);
-        return fmi2OK;
-    case DISCARDED:
-        write_log(fmu->logger, fmu->environment, fmu->name, fmi2Discard, "logStatusDiscard", "%s: %s", function, message);
-        return fmi2Discard;
-    default: return fail(fmu, function, message);
-    }
+    return (fmi2Status)fmu_status(fmu, function, result);
 }
 
-/* Whether a call is refused in the present phase; a message that names the function and the phase is logged. */
 static int refused(const Fmu *fmu, const char *function, int phases)
 {
-    Result result;
-    if (!fmu)
-        return 1;
-    result = instance_permits(fmu->instance, phases);
-    if (result != DONE)
-        write_log(fmu->logger, fmu->environment, fmu->name, fmi2Error, "logStatusError", "%s %s", function,
-                  fmu->instance->message);
-    return result != DONE;
+    return fmu_refused(fmu, function, phases);
 }
 
 /* The same for a function that only model exchange has, in phases that co-simulation has too. */
 static int refused_exchange(const Fmu *fmu, const char *function, int phases)
 {
-    if (fmu && !fmu->instance->model_exchange)
-        phases = 0;
-    return refused(fmu, function, phases);
+    return fmu_refused_to(fmu, function, 1 << MODEL_EXCHANGE, phases);
+}
+
+/* The same for a function that only co-simulation has. */
+static int refused_simulation(const Fmu *fmu, const char *function, int phases)
+{
+    return fmu_refused_to(fmu, function, 1 << CO_SIMULATION, phases);
 }
 
 static int missing(const Fmu *fmu, const char *function, size_t count, const void *first, const void *second)
 {
-    if (!count || (first && second))
-        return 0;
-    fail(fmu, function, "an argument is a null pointer");
-    return 1;
+    return fmu_missing(fmu, function, count, first, second);
 }
 
 const char *fmi2GetTypesPlatform(void)
@@ -117,83 +82,33 @@ const char *fmi2GetVersion(void)
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[])
 {
-    const size_t known = sizeof CATEGORIES / sizeof *CATEGORIES;
-    Fmu *fmu = c;
-    int events = nCategories == 0;
-    if (refused(fmu, __func__, ANY_PHASE) || missing(fmu, __func__, nCategories, categories, categories))
-        return fmi2Error;
-    for (size_t i = 0; i < nCategories; i++) {
-        size_t k = 0;
-        while (k < known && categories[i] && strcmp(categories[i], CATEGORIES[k]) != 0)
-            k++;
-        if (k == known || !categories[i]) {
-            write_log(fmu->logger, fmu->environment, fmu->name, fmi2Error, "logStatusError",
-                      "%s: there is no log category '%s'", __func__, categories[i] ? categories[i] : "NULL");
-            return fmi2Error;
-        }
-        events = events || k == 0 || k == known - 1;
-    }
-    if (events)
-        fmu->log_events = loggingOn != fmi2False;
-    return fmi2OK;
+    return (fmi2Status)fmu_set_logging(c, __func__, loggingOn != fmi2False, nCategories, categories);
 }
 
 /* Life cycle ------------------------------------------------------------------------------------------------------ */
 
-static void release(Fmu *fmu)
-{
-    if (!fmu)
-        return;
-    instance_free(fmu->instance);
-    free(fmu->name);
-    free(fmu);
-}
-
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String fmuResourceLocation,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn)
 {
-    const fmi2CallbackLogger logger = functions ? functions->logger : NULL;
-    const fmi2ComponentEnvironment environment = functions ? functions->componentEnvironment : NULL;
-    const char *problem = NULL, *name = instanceName && *instanceName ? instanceName : "?";
-    Fmu *fmu;
+    Logger logger = {write_log, NULL, NULL, instanceName};
     (void)fmuResourceLocation;
     (void)visible;
     if (!functions)
-        problem = "the callback functions are a null pointer";
-    else if (!instanceName || !*instanceName)
-        problem = "the instance has no name";
-    else if (fmuType != fmi2CoSimulation && fmuType != fmi2ModelExchange)
-        problem = "the type is neither fmi2CoSimulation nor fmi2ModelExchange";
-    if (problem) {
-        write_log(logger, environment, name, fmi2Error, "logStatusError", "%s: %s", __func__, problem);
+        return NULL;
+    logger.callback = (void (*)(void))functions->logger;
+    logger.environment = functions->componentEnvironment;
+    if (fmuType != fmi2CoSimulation && fmuType != fmi2ModelExchange) {
+        fmu_log(&logger, STATUS_ERROR, "logStatusError", "%s: the type is neither fmi2CoSimulation nor fmi2ModelExchange",
+                __func__);
         return NULL;
     }
-    if (!fmuGUID || strcmp(fmuGUID, brunovsky_description.token) != 0) {
-        write_log(logger, environment, name, fmi2Error, "logStatusError",
-                  "%s: the guid is %s, but this binary has %s; do not mix files of different FMUs", __func__,
-                  fmuGUID ? fmuGUID : "a null pointer", brunovsky_description.token);
-        return NULL;
-    }
-    fmu = calloc(1, sizeof *fmu);
-    if (fmu) {
-        fmu->name = malloc(strlen(instanceName) + 1);
-        fmu->instance = instance_new(fmuType == fmi2ModelExchange);
-    }
-    if (!fmu || !fmu->name || !fmu->instance) {
-        release(fmu);
-        write_log(logger, environment, name, fmi2Error, "logStatusError", "%s: out of memory", __func__);
-        return NULL;
-    }
-    strcpy(fmu->name, instanceName);
-    fmu->logger = logger;
-    fmu->environment = environment;
-    fmu->log_events = loggingOn != fmi2False;
-    return fmu;
+    return fmu_new(__func__, logger, fmuType == fmi2ModelExchange ? MODEL_EXCHANGE : CO_SIMULATION, fmuGUID,
+                   loggingOn != fmi2False, LOG_WARNING | LOG_DISCARD);
 }
 
 void fmi2FreeInstance(fmi2Component c)
 {
-    release(c);
+    fmu_free(c);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
@@ -225,21 +140,12 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 
 fmi2Status fmi2Terminate(fmi2Component c)
 {
-    Fmu *fmu = c;
-    if (refused(fmu, __func__, STEP | EVENT | CONTINUOUS_TIME))
-        return fmi2Error;
-    fmu->instance->phase = TERMINATED;
-    return fmi2OK;
+    return (fmi2Status)fmu_terminate(c, __func__);
 }
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    Fmu *fmu = c;
-    if (refused(fmu, __func__, ANY_PHASE))
-        return fmi2Error;
-    instance_reset(fmu->instance);
-    fmu->last_step = fmi2OK;
-    return fmi2OK;
+    return (fmi2Status)fmu_reset(c, __func__);
 }
 
 /* Variables ------------------------------------------------------------------------------------------------------- */
@@ -280,7 +186,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
 {
-    GET(fmi2Integer, INTEGER);
+    GET(fmi2Integer, INTEGER | ENUMERATION);
 }
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
@@ -305,7 +211,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[])
 {
-    SET(INTEGER, SETTABLE);
+    SET(INTEGER | ENUMERATION, SETTABLE);
 }
 
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[])
@@ -339,72 +245,32 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
-    const Fmu *fmu = c;
-    if (refused(fmu, __func__, ANY_PHASE) || missing(fmu, __func__, 1, FMUstate, FMUstate))
-        return fmi2Error;
-    if (!*FMUstate)
-        *FMUstate = malloc(instance_state_size(fmu->instance));
-    if (!*FMUstate)
-        return fail(fmu, __func__, "out of memory");
-    instance_save(fmu->instance, *FMUstate);
-    return fmi2OK;
+    return (fmi2Status)fmu_get_state(c, __func__, FMUstate);
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
 {
-    Fmu *fmu = c;
-    if (refused(fmu, __func__, ANY_PHASE) || missing(fmu, __func__, 1, FMUstate, FMUstate))
-        return fmi2Error;
-    return status_of(fmu, __func__, instance_restore(fmu->instance, FMUstate));
+    return (fmi2Status)fmu_set_state(c, __func__, FMUstate);
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
-    const Fmu *fmu = c;
-    if (refused(fmu, __func__, ANY_PHASE))
-        return fmi2Error;
-    if (FMUstate) {
-        free(*FMUstate);
-        *FMUstate = NULL;
-    }
-    return fmi2OK;
+    return (fmi2Status)fmu_free_state(c, __func__, FMUstate);
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
 {
-    const Fmu *fmu = c;
-    if (refused(fmu, __func__, ANY_PHASE) || missing(fmu, __func__, 1, FMUstate, size))
-        return fmi2Error;
-    *size = instance_state_size(fmu->instance);
-    return fmi2OK;
+    return (fmi2Status)fmu_state_size(c, __func__, FMUstate, size);
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
 {
-    Fmu *fmu = c;
-    if (refused(fmu, __func__, ANY_PHASE) || missing(fmu, __func__, 1, FMUstate, serializedState))
-        return fmi2Error;
-    if (size < instance_state_size(fmu->instance))
-        return fail(fmu, __func__, "the buffer is smaller than fmi2SerializedFMUstateSize says");
-    memcpy(serializedState, FMUstate, instance_state_size(fmu->instance));
-    return fmi2OK;
+    return (fmi2Status)fmu_serialize(c, __func__, FMUstate, serializedState, size);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size, fmi2FMUstate *FMUstate)
 {
-    Fmu *fmu = c;
-    Result result;
-    if (refused(fmu, __func__, ANY_PHASE) || missing(fmu, __func__, 1, serializedState, FMUstate))
-        return fmi2Error;
-    result = instance_recognizes(fmu->instance, serializedState, size);
-    if (result != DONE)
-        return status_of(fmu, __func__, result);
-    if (!*FMUstate)
-        *FMUstate = malloc(size);
-    if (!*FMUstate)
-        return fail(fmu, __func__, "out of memory");
-    memcpy(*FMUstate, serializedState, size);
-    return fmi2OK;
+    return (fmi2Status)fmu_deserialize(c, __func__, serializedState, size, FMUstate);
 }
 
 /* Model exchange -------------------------------------------------------------------------------------------------- */
@@ -422,16 +288,12 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
 {
     Fmu *fmu = c;
     Event event;
-    Result result;
+    int status;
     if (refused(fmu, __func__, EVENT) || missing(fmu, __func__, 1, info, info))
         return fmi2Error;
-    result = instance_event(fmu->instance, &event);
-    if (result != DONE)
-        return status_of(fmu, __func__, result);
-    if (fmu->log_events && (event.states_changed || event.discrete_changed))
-        write_log(fmu->logger, fmu->environment, fmu->name, fmi2OK, "logEvents", "event at t = %.9g s changed%s%s",
-                  fmu->instance->engine->time, event.states_changed ? " continuous states" : "",
-                  event.discrete_changed ? " samples or modes" : "");
+    status = fmu_event(fmu, __func__, &event);
+    if (status != STATUS_OK)
+        return (fmi2Status)status;
     info->newDiscreteStatesNeeded = fmi2False;
     info->terminateSimulation = fmi2False;
     info->nominalsOfContinuousStatesChanged = fmi2False;
@@ -508,11 +370,7 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal
     Fmu *fmu = c;
     if (refused_exchange(fmu, __func__, ANY_PHASE) || missing(fmu, __func__, nx, x_nominal, x_nominal))
         return fmi2Error;
-    if (nx != (size_t)fmu->instance->engine->model->nx)
-        return fail(fmu, __func__, "the number of continuous states is another one");
-    for (size_t i = 0; i < nx; i++)
-        x_nominal[i] = 1;
-    return fmi2OK;
+    return status_of(fmu, __func__, instance_get_nominals(fmu->instance, x_nominal, nx));
 }
 
 /* Co-simulation --------------------------------------------------------------------------------------------------- */
@@ -521,11 +379,13 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
     Fmu *fmu = c;
+    Result result;
     (void)noSetFMUStatePriorToCurrentPoint;
     if (refused(fmu, __func__, STEP))
         return fmi2Error;
-    fmu->last_step = status_of(fmu, __func__, instance_step(fmu->instance, currentCommunicationPoint, communicationStepSize));
-    return fmu->last_step;
+    result = instance_step(fmu->instance, currentCommunicationPoint, communicationStepSize);
+    fmu->last_step = fmu_status(fmu, __func__, result == DISCARDED ? FAILED : result);
+    return (fmi2Status)fmu->last_step;
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
@@ -539,25 +399,33 @@ fmi2Status fmi2CancelStep(fmi2Component c)
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
                                        const fmi2Real value[])
 {
-    const Fmu *fmu = c;
-    (void)vr;
-    (void)order;
-    (void)value;
-    if (refused(fmu, __func__, INSTANTIATED | INITIALIZATION | STEP))
+    Fmu *fmu = c;
+    if (refused_simulation(fmu, __func__, INSTANTIATED | INITIALIZATION | STEP) || missing(fmu, __func__, nvr, vr, value) ||
+        missing(fmu, __func__, nvr, order, order))
         return fmi2Error;
-    return nvr ? fail(fmu, __func__, "inputs are held over a step, not interpolated (canInterpolateInputs is false)") : fmi2OK;
+    for (size_t i = 0; i < nvr; i++) {
+        const Result result = instance_admits_input_derivative(fmu->instance, vr[i], order[i], value[i]);
+        if (result != DONE)
+            return status_of(fmu, __func__, result);
+    }
+    for (size_t i = 0; i < nvr; i++)
+        instance_set_input_derivative(fmu->instance, vr[i], order[i], value[i]);
+    return fmi2OK;
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
                                         fmi2Real value[])
 {
-    const Fmu *fmu = c;
-    (void)vr;
-    (void)order;
-    (void)value;
-    if (refused(fmu, __func__, STEP | TERMINATED))
+    Fmu *fmu = c;
+    if (refused_simulation(fmu, __func__, STEP | TERMINATED) ||
+        missing(fmu, __func__, nvr, vr, value) || missing(fmu, __func__, nvr, order, order))
         return fmi2Error;
-    return nvr ? fail(fmu, __func__, "derivatives of outputs are not provided (maxOutputDerivativeOrder is 0)") : fmi2OK;
+    for (size_t i = 0; i < nvr; i++) {
+        const Result result = instance_get_output_derivative(fmu->instance, vr[i], order[i], &value[i]);
+        if (result != DONE)
+            return status_of(fmu, __func__, result);
+    }
+    return fmi2OK;
 }
 
 #define STATUS_PHASES (STEP | TERMINATED)
@@ -565,18 +433,18 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2DoStepStatus)
         return fail(fmu, __func__, "only fmi2DoStepStatus is a status");
-    *value = fmu->last_step;
+    *value = (fmi2Status)fmu->last_step;
     return fmi2OK;
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2LastSuccessfulTime)
         return fail(fmu, __func__, "only fmi2LastSuccessfulTime is a Real status");
@@ -589,7 +457,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
     const Fmu *fmu = c;
     (void)s;
     (void)value;
-    if (refused(fmu, __func__, STATUS_PHASES))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES))
         return fmi2Error;
     return fail(fmu, __func__, "there is no Integer status");
 }
@@ -597,7 +465,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2Terminated)
         return fail(fmu, __func__, "only fmi2Terminated is a Boolean status");
@@ -608,7 +476,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
 {
     const Fmu *fmu = c;
-    if (refused(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
+    if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2PendingStatus)
         return fail(fmu, __func__, "only fmi2PendingStatus is a String status");

@@ -1,8 +1,8 @@
 /* What the code generated from a block provides: counts, names, defaults and its expressions as functions.
  *
  * Vectors are in the block's order of declaration: p parameters, u inputs, x continuous states, q sampled states,
- * m modes, r relations (0 or 1), y outputs (Boolean ones as 0 or 1). Functions are pure: they read their arguments
- * and write to their last ones.
+ * m modes, r relations (0 or 1), y outputs (Boolean ones as 0 or 1), k clocks. Functions are pure: they read
+ * their arguments and write to their last ones.
  */
 #ifndef BRUNOVSKY_MODEL_H
 #define BRUNOVSKY_MODEL_H
@@ -29,6 +29,12 @@ typedef struct {
     int (*start_check)(const double *p, int model_exchange);          /* index of the first check that fails, or -1 */
     int (*failure_check)(ARGUMENTS);                                  /* the same, of those that explain a failed step */
     const char *const *check_names, *const *check_messages;
+    int nk; /* clocks */
+    const char *const *k_names;
+    const int *k_parameter;  /* index of the parameter that is the period of a clock, -1 where this is a number */
+    const double *k_period;  /* by default, s */
+    const int *q_clock;      /* index of the clock of a sampled state, -1 where it has a period of its own */
+    const double *x_nominal; /* typical magnitude of a state, in its unit */
 } Model;
 
 #ifndef ENGINE_API

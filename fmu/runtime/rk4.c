@@ -15,6 +15,7 @@ static int failed_check(Engine *engine, double h)
     for (int k = 0; k < 4; k++) {
         for (int i = 0; i < n; i++)
             stage[i] = k ? engine->x[i] + fraction[k] * h * slopes[(k - 1) * n + i] : engine->x[i];
+        inputs_at(engine, engine->time + fraction[k] * h);
         const int check = engine_stage_check(engine, engine->time + fraction[k] * h, stage);
         if (check != -1)
             return check < 0 ? -1 : check;
@@ -33,12 +34,14 @@ static int rk4_step(Engine *engine, double h)
     model->derivatives(t, x, u, p, q, m, r, k1);
     for (int i = 0; i < n; i++)
         stage[i] = x[i] + 0.5 * h * k1[i];
+    inputs_at(engine, t + 0.5 * h);
     model->derivatives(t + 0.5 * h, stage, u, p, q, m, r, k2);
     for (int i = 0; i < n; i++)
         stage[i] = x[i] + 0.5 * h * k2[i];
     model->derivatives(t + 0.5 * h, stage, u, p, q, m, r, k3);
     for (int i = 0; i < n; i++)
         stage[i] = x[i] + h * k3[i];
+    inputs_at(engine, t + h);
     model->derivatives(t + h, stage, u, p, q, m, r, k4);
     for (int i = 0; i < n; i++)
         stage[i] = x[i] + h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
@@ -60,8 +63,10 @@ int rk4_integrate(Engine *engine, double stop)
             return ENGINE_FAILED;
         if (rk4_step(engine, size) != ENGINE_OK)
             return ENGINE_FAILED;
-        engine->time = begin + (double)(i + 1) * size;
+        engine->time = i + 1 < count ? begin + (double)(i + 1) * size : stop;
+        inputs_at(engine, engine->time);
+        if (engine_pause(engine) != ENGINE_OK)
+            return ENGINE_PAUSED;
     }
-    engine->time = stop;
     return ENGINE_OK;
 }

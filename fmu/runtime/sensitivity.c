@@ -62,14 +62,15 @@ static Result row_of(Instance *instance, unsigned reference, int *row)
     const Model *model = instance->engine->model;
     const int initial = instance->phase == INITIALIZATION;
     int index;
-    const Kind kind = locate(reference, &index);
+    const Kind kind = variable_locate(reference, &index);
     *row = kind == DERIVATIVE ? index : kind == OUTPUT ? model->nx + index : model->nx + model->ny + index;
     if (kind == UNKNOWN)
-        return report(instance, FAILED, "there is no variable with value reference %u", reference);
-    if (kind == DERIVATIVE || (kind == OUTPUT && type_of(kind, index) == REAL) || (kind == STATE && initial))
+        return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
+    if (kind == DERIVATIVE || (kind == OUTPUT && variable_type(kind, index) == REAL) || (kind == STATE && initial))
         return DONE;
-    return report(instance, FAILED, "%s%s%s is no unknown: derivatives are of Real outputs and state derivatives%s",
-                  opening(kind), name_of(kind, index), closing(kind), initial ? ", and of states" : "");
+    return instance_report(instance, FAILED,
+                           "%s%s%s is no unknown: derivatives are of Real outputs and state derivatives%s", opening(kind),
+                           variable_name(kind, index), closing(kind), initial ? ", and of states" : "");
 }
 
 /* Column of a known, -1 if nothing depends on it; FAILED if it is none. */
@@ -78,11 +79,11 @@ static Result column_of(Instance *instance, unsigned reference, int *column)
     const Model *model = instance->engine->model;
     const int initial = instance->phase == INITIALIZATION;
     int index;
-    const Kind kind = locate(reference, &index);
-    const int state = state_of(kind, index);
+    const Kind kind = variable_locate(reference, &index);
+    const int state = variable_state(kind, index);
     *column = -1;
     if (kind == UNKNOWN)
-        return report(instance, FAILED, "there is no variable with value reference %u", reference);
+        return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
     if (state >= 0 && !initial)
         *column = 1 + state;
     else if (kind == TIME)
@@ -92,8 +93,10 @@ static Result column_of(Instance *instance, unsigned reference, int *column)
     else if (kind == PARAMETER)
         *column = 1 + model->nx + model->nu + index;
     else if (kind != STEP_SIZE)
-        return report(instance, FAILED, "%s%s%s is no known: derivatives are with respect to time, inputs%s",
-                      opening(kind), name_of(kind, index), closing(kind), initial ? " and parameters" : ", parameters and continuous states");
+        return instance_report(instance, FAILED,
+                               "%s%s%s is no known: derivatives are with respect to time, inputs%s", opening(kind),
+                               variable_name(kind, index), closing(kind),
+                               initial ? " and parameters" : ", parameters and continuous states");
     return DONE;
 }
 
@@ -103,7 +106,7 @@ static Result column_of(Instance *instance, unsigned reference, int *column)
 static Result prepare(Instance *instance)
 {
     const Engine *engine = instance->engine;
-    Result result = refresh(instance);
+    Result result = instance_refresh(instance);
     if (result == DONE && !instance->entries_current && instance->phase == INITIALIZATION)
         result = differentiate_start(instance);
     if (result != DONE)
@@ -121,11 +124,11 @@ static Result check(Instance *instance, const char *what, unsigned reference, do
 {
     char name[192];
     int index;
-    const Kind kind = locate(reference, &index);
+    const Kind kind = variable_locate(reference, &index);
     if (isfinite(value))
         return DONE;
-    snprintf(name, sizeof name, "the derivative %s %s%s%s", what, opening(kind), name_of(kind, index), closing(kind));
-    return not_finite(instance, name);
+    snprintf(name, sizeof name, "the derivative %s %s%s%s", what, opening(kind), variable_name(kind, index), closing(kind));
+    return instance_not_finite(instance, name);
 }
 
 typedef Result Place(Instance *instance, unsigned reference, int *index);
@@ -141,7 +144,7 @@ static Result spread(Instance *instance, Place *place, const unsigned *seeded, s
     for (size_t i = 0; i < n_seeded && result == DONE; i++) {
         result = place(instance, seeded[i], &index);
         if (result == DONE && !isfinite(seed[i]))
-            result = report(instance, FAILED, "seed %lu cannot be %g: it is not finite", (unsigned long)i, seed[i]);
+            result = instance_report(instance, FAILED, "seed %lu cannot be %g: it is not finite", (unsigned long)i, seed[i]);
         if (result == DONE && index >= 0)
             vector[index] += seed[i];
     }

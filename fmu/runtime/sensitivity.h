@@ -20,9 +20,9 @@ Result instance_directional(Instance *instance, const unsigned *unknowns, size_t
 Result instance_adjoint(Instance *instance, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,
                         size_t n_knowns, const double *seed, double *result);
 
-/* Dependencies of an unknown at present, those of initialization mode until its end: how many, then which and how.
- * FAILED where the variable is no unknown, or where another number of them is asked for. */
+/* Dependencies of an unknown at present, those of initialization mode until its end: how many there are, FAILED where the
+ * variable is no unknown; and which. */
 Result instance_count_dependencies(Instance *instance, unsigned unknown, size_t *count);
-Result instance_get_dependencies(Instance *instance, unsigned unknown, unsigned *knowns, DependencyKind *kinds, size_t count);
+const Dependency *instance_dependencies(const Instance *instance, unsigned unknown, size_t *count);
 
 #endif

@@ -6,12 +6,31 @@
 
 #define VALUES(e) (e)->time, (e)->x, (e)->u, (e)->p, (e)->q, (e)->m, (e)->r
 
-/* From engine->time to stop with the inputs held. Both need work space: 9 nx doubles. */
+/* Inputs over a step: the step to stop begins, is at this time, has reached engine->time. */
+int engine_begin_inputs(Engine *engine, double stop);
+void engine_vary_inputs(const Engine *engine, double time);
+void engine_end_inputs(Engine *engine);
+
+/* Makes engine->u the inputs at this time; inputs that are held cost a comparison. */
+static inline void inputs_at(const Engine *engine, double time)
+{
+    if (engine->varying)
+        engine_vary_inputs(engine, time);
+}
+
+/* From engine->time to stop, where the inputs are those at stop; ENGINE_PAUSED if they end before because a pause was
+ * due. Both need work space: 9 nx doubles. */
 int rk4_integrate(Engine *engine, double stop);
 int dormand_prince_integrate(Engine *engine, double stop);
 
 /* Relations and transitions until nothing changes: an event without samples. */
 int engine_settle(Engine *engine);
+
+/* ENGINE_PAUSED if the communication step has to end after the internal step that is just done. */
+int engine_pause(Engine *engine);
+
+/* Whether relations are not what they are frozen at. */
+int engine_relations_differ(Engine *engine);
 
 /* ENGINE_FAILED, with a message; check is the index of the check that explains it, or -1. */
 int engine_fail(Engine *engine, int check, const char *variable, const char *problem);

@@ -24,6 +24,7 @@ from brunovsky._resources import resource
 from brunovsky._suggest import unknown_name
 from brunovsky.errors import BrunovskyError
 from brunovsky.fmi import export_fmu, shipped_fmus
+from brunovsky.fmi.contents import FMI_VERSIONS
 from brunovsky.linearization import gallery
 
 app = typer.Typer(
@@ -54,6 +55,7 @@ BLOCKS: Mapping[str, Callable[[], br.Block]] = {
         "sliding_mode",
         "sliding_mode_relay",
         "sliding_mode_sampled",
+        "sliding_mode_clocked",
         "super_twisting",
         "super_twisting_sampled",
         "integral_sliding_mode",
@@ -80,6 +82,7 @@ class FmiVersion(StrEnum):
     """FMI versions that can be exported."""
 
     two = "2"
+    three = "3"
 
 
 class Platform(StrEnum):
@@ -115,24 +118,34 @@ def derive(
 @app.command()
 def build(
     blocks: Annotated[list[str] | None, typer.Argument(metavar="BLOCK", help="By default the FMUs that ship.")] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder; the FMUs go to its fmi2/.")] = Path("build"),
-    fmi: Annotated[FmiVersion, typer.Option("--fmi", help="FMI version.")] = FmiVersion.two,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder; the FMUs go to its fmi2/ and fmi3/.")] = Path(
+        "build"
+    ),
+    fmi: Annotated[FmiVersion | None, typer.Option("--fmi", help="FMI version; by default both.")] = None,
     platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
 ) -> None:
     """Build FMUs: co-simulation and model exchange in one file, no interpreter inside."""
-    names = blocks or list(shipped_fmus())
+    names = blocks or shipped_fmus(int(fmi) if fmi else None)
     chosen = {name: _known(name, BLOCKS, "block") for name in names}
     with _progress() as progress:
         task = progress.add_task("building FMUs", total=len(chosen))
         paths = []
         for name, make in chosen.items():
             progress.update(task, description=f"building {name}")
-            path = output / f"fmi{fmi.value}" / f"{name}.fmu"
-            paths.append(export_fmu(make(), path, fmi_version=int(fmi.value), platforms=(platform.value,)))
+            block = make()
+            for version in (int(fmi),) if fmi else _versions(name, block):
+                path = output / f"fmi{version}" / f"{name}.fmu"
+                paths.append(export_fmu(block, path, version, (platform.value,)))
             progress.advance(task)
         progress.update(task, description="building FMUs")
     for path in paths:
         _say(str(path))
+
+
+def _versions(name: str, block: br.Block) -> list[int]:
+    """Versions of FMI that a block is built in by default."""
+    listed = [version for version in FMI_VERSIONS if name in shipped_fmus(version)]
+    return listed or ([3] if block.clocks else list(FMI_VERSIONS))
 
 
 @app.command()

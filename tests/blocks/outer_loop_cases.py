@@ -32,6 +32,7 @@ LOOPS: dict[str, Callable[[br.Block], br.Block]] = {
     "disturbance observer": lambda plant: B.disturbance_observer(plant, analysis.place([-4.0, -5.0, -6.0])),
     "sampled, implicit": lambda plant: B.sliding_mode_sampled(plant, SURFACE),
     "sampled, explicit": lambda plant: B.sliding_mode_sampled(plant, SURFACE, scheme="explicit", surface_map="exact"),
+    "sampled, on a clock": lambda plant: B.sliding_mode_clocked(plant, SURFACE),
     "super-twisting": lambda plant: B.super_twisting(plant, SURFACE),
     "super-twisting, sampled": lambda plant: B.super_twisting_sampled(plant, SURFACE),
 }

@@ -10,6 +10,8 @@ from scipy.integrate import RK45
 
 from brunovsky.blocks import dormand_prince as dp
 
+ONE = np.ones(1)
+
 
 def slope(time: float, x: np.ndarray) -> np.ndarray:
     return math.cos(time) * x
@@ -60,18 +62,18 @@ def test_one_step_is_off_by_a_power_more_than_its_order(fraction: float, order: 
 
 
 def test_the_estimate_is_that_of_order_four() -> None:
-    assert math.log2(one_step(0.02).error(1e-6) / one_step(0.01).error(1e-6)) == pytest.approx(5, abs=0.1)
+    assert math.log2(one_step(0.02).error(1e-6, ONE) / one_step(0.01).error(1e-6, ONE)) == pytest.approx(5, abs=0.1)
 
 
 @pytest.mark.parametrize("value", [math.inf, math.nan])
 def test_a_step_that_is_not_finite_is_no_step_within_the_tolerance(value: float) -> None:
     step = dp.attempt(lambda _time, x: x * value, 0.0, np.ones(2), np.ones(2), 0.1)
-    assert not step.error(1e-6) <= 1
-    assert dp.factor(step.error(1e-6)) == dp.SMALLEST_FACTOR
+    assert not step.error(1e-6, ONE) <= 1
+    assert dp.factor(step.error(1e-6, ONE)) == dp.SMALLEST_FACTOR
 
 
 @given(st.floats(-1e9, 1e9), st.floats(-1e9, 1e9), st.floats(1e-9, 1e3))
 def test_the_first_size_is_positive_and_not_too_long(start: float, gain: float, longest: float) -> None:
     x = np.array([start])
-    size = dp.first_size(lambda _time, x: gain * x, 0.0, x, gain * x, longest, 1e-6)
+    size = dp.first_size(lambda _time, x: gain * x, 0.0, x, gain * x, longest, 1e-6, ONE)
     assert 0 < size <= longest

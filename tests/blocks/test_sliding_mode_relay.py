@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
 from outer_loop_cases import SURFACE, B, chain_loop, chain_plant
 
 import brunovsky as br
@@ -11,6 +13,7 @@ from brunovsky.blocks import NumpyEngine
 from brunovsky.errors import ModelError
 
 STEP = 1e-4
+RELAY = B.sliding_mode_relay(chain_plant(), SURFACE)
 
 
 def settled(**options: float) -> xr.Dataset:
@@ -72,13 +75,40 @@ def test_a_matched_disturbance_below_the_gain_stays_within_the_hysteresis(d: flo
 
 def test_without_hysteresis_and_dwell_it_is_the_sign_function() -> None:
     law = B.sliding_mode_relay(chain_plant(), SURFACE, P=20.0, hysteresis=0.0)
-    (check,) = law.failed_checks(law.parameter_values(), "model exchange")
-    assert "hysteresis = 0 with dwell = 0" in check.message
-    for values in ({"hysteresis": 0.1}, {"dwell": 0.1}, {"P": 0.0}):
+    for endless in ({}, {"hysteresis": 0.9e-5}, {"dwell": 0.9e-6}):
+        (check,) = law.failed_checks(law.parameter_values(endless), "model exchange")
+        assert "hysteresis and dwell let the relay switch more than once in 1e-06 s" in check.message
+        assert "raise hysteresis to P 5e-07 s at least, or dwell to 1e-06 s, or set P = 0" in check.message
+    for values in ({"hysteresis": 0.1}, {"hysteresis": 1.1e-5}, {"dwell": 0.1}, {"dwell": 1.1e-6}, {"P": 0.0}):
         assert not law.failed_checks(law.parameter_values(values), "model exchange", "start")
     sign = B.sliding_mode(chain_plant(), SURFACE, P=20.0, switching="sign")
     one, other = (br.simulate(chain_loop(item), 3.0, record=["e1[1]"])["e1[1]"] for item in (law, sign))
     assert abs(one - other).max() < 1e-4
+
+
+@given(
+    s=st.floats(-1.0, 1.0) | st.sampled_from([-0.1, 0.1, 0.0]),
+    relay=st.sampled_from([-1, 1]),
+    timer=st.floats(0.0, 0.1) | st.just(0.05),
+    band=st.sampled_from([0.0, 1e-300, 0.1]),
+    dwell=st.sampled_from([0.0, 1e-300, 0.05]),
+)
+def test_an_event_ends_after_one_switch_at_most(s: float, relay: int, timer: float, band: float, dwell: float) -> None:
+    """Wherever an event happens, no transition is left to fire, and the relay is as hysteresis and dwell say."""
+    engine = NumpyEngine(RELAY)
+    engine.set_parameters({"hysteresis": band, "dwell": dwell})
+    engine.initialize()
+    engine.inputs[:] = 0.0
+    engine.inputs[0] = s / SURFACE[0]
+    engine.modes[:], engine.states[:] = relay, timer
+    engine.event()
+    s = SURFACE[0] * engine.inputs[0]
+    wanted = -relay if relay * s < -band and timer >= dwell else relay
+    assert engine.modes.tolist() == [wanted]
+    assert engine.states.tolist() == [0.0 if wanted != relay else timer]
+    before = engine.modes.copy(), engine.states.copy()
+    engine.event()
+    assert (engine.modes, engine.states) == before or (band, dwell) == (0.0, 0.0)
 
 
 def test_python_control_cannot_hold_its_modes() -> None:

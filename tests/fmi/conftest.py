@@ -22,15 +22,16 @@ class Exported:
 
 
 @pytest.fixture(scope="session")
-def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Block], Exported]:
+def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Exported]:
     folder = tmp_path_factory.mktemp("fmus")
     known: dict[str, Exported] = {}
 
-    def export(block: Block) -> Exported:
-        if block.name not in known:
-            fmu = export_fmu(block, folder / f"{block.name}.fmu")
-            known[block.name] = Exported(block, fmu, Path(extract(str(fmu), str(folder / block.name))))
-        return known[block.name]
+    def export(block: Block, version: int = 2, arrays: bool = False) -> Exported:
+        name = f"{block.name}{version}{'arrays' if arrays else ''}"
+        if name not in known:
+            fmu = export_fmu(block, folder / f"{name}.fmu", version, arrays=arrays)
+            known[name] = Exported(block, fmu, Path(extract(str(fmu), str(folder / name))))
+        return known[name]
 
     return export
 

@@ -2,7 +2,7 @@
 
 import ctypes
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +134,25 @@ class Driver:
 
     def outputs(self) -> list[float]:
         return self.get(*(one.name for one in self.description.modelVariables if one.causality == "output"))
+
+    def set_derivatives(self, values: Mapping[tuple[str, int], float]) -> int:
+        """Status of setting derivatives of inputs, by name and order, in one call."""
+        references, orders = self._of_orders(values)
+        numbers = (ctypes.c_double * len(values))(*values.values())
+        return self.call("SetRealInputDerivatives", references, ctypes.c_size_t(len(values)), orders, numbers)
+
+    def derivatives(self, *keys: tuple[str, int]) -> list[float]:
+        """Derivatives of outputs, by name and order, fmi2OK."""
+        references, orders = self._of_orders(keys)
+        numbers = (ctypes.c_double * len(keys))()
+        self.done("GetRealOutputDerivatives", references, ctypes.c_size_t(len(keys)), orders, numbers)
+        return list(numbers)
+
+    def _of_orders(
+        self, keys: Collection[tuple[str, int]]
+    ) -> tuple[ctypes.Array[ctypes.c_uint], ctypes.Array[ctypes.c_int]]:
+        references = (ctypes.c_uint * len(keys))(*(self.variables[name].valueReference for name, _ in keys))
+        return references, (ctypes.c_int * len(keys))(*(order for _, order in keys))
 
     def initialize(
         self, values: Mapping[str, float] | None = None, start: float = 0.0, stop: float | None = None

@@ -25,9 +25,11 @@ OPEN int test_count_dependencies(void *component, unsigned unknown, size_t *coun
 
 OPEN int test_get_dependencies(void *component, unsigned unknown, unsigned *knowns, int *kinds, size_t count)
 {
-    DependencyKind found[256];
-    const Result result = instance_get_dependencies(*(Instance **)component, unknown, knowns, found, count);
-    for (size_t i = 0; i < count && result == DONE; i++)
-        kinds[i] = (int)found[i];
-    return (int)result;
+    size_t expected;
+    const Dependency *found = instance_dependencies(*(Instance **)component, unknown, &expected);
+    for (size_t i = 0; i < count && count == expected; i++) {
+        knowns[i] = found[i].known;
+        kinds[i] = (int)found[i].kind;
+    }
+    return count == expected ? DONE : FAILED;
 }

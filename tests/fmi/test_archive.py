@@ -1,8 +1,10 @@
 """The FMU as a file: reproducible, complete, compilable elsewhere, written whole or not at all."""
 
+import ctypes
 import dataclasses
 import hashlib
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -17,7 +19,7 @@ from lxml import etree
 from brunovsky.blocks import library
 from brunovsky.errors import BrunovskyError, CompilerError, ParameterError
 from brunovsky.fmi import export_fmu
-from brunovsky.fmi.contents import headers_folder
+from brunovsky.fmi.contents import fmu_files, headers_folder
 from brunovsky.native import find_compiler
 
 
@@ -30,6 +32,16 @@ def test_bytes_are_the_same_in_another_process(robot, tmp_path):
     environment = os.environ | {"PYTHONHASHSEED": "17", "PYTHONPATH": os.pathsep.join(sys.path)}
     subprocess.run([sys.executable, "-c", script, str(again)], check=True, env=environment, cwd=tmp_path)
     assert hashlib.sha256(again.read_bytes()).digest() == hashlib.sha256(robot.fmu.read_bytes()).digest()
+
+
+@pytest.mark.parametrize("arrays", [False, True])
+def test_bytes_of_fmi_3_are_the_same_again(arrays, exported):
+    block = library.circle()
+    fmu_files.cache_clear()
+    files = fmu_files(block, 3, arrays)
+    fmu_files.cache_clear()
+    assert fmu_files(library.circle(), 3, arrays) == files
+    assert set(fmu_files(block, 3, not arrays).values()) != set(files.values())
 
 
 def test_the_guid_follows_the_description_and_the_equations(sampled_integrator, exported, tmp_path):
@@ -52,6 +64,19 @@ def test_entries_have_a_fixed_time_and_order(robot):
     assert {"modelDescription.xml", "sources/model.c", "sources/engine.c", binary} <= {one.filename for one in entries}
 
 
+def test_an_fmu_3_has_its_description_sources_and_binary(exported):
+    robot = exported(library.linearized_robot(), 3)
+    with zipfile.ZipFile(robot.fmu) as archive:
+        names = set(archive.namelist())
+    binary = f"binaries/{fmpy.platform_tuple}/linearized_robot{fmpy.sharedLibraryExtension}"
+    assert {binary, "modelDescription.xml", "sources/buildDescription.xml", "sources/fmi3.c"} <= names
+    assert "sources/fmi2.c" not in names
+    library_3 = ctypes.CDLL(str(robot.folder / binary))
+    functions = re.findall(r"FMI3_Export fmi3(\w+)TYPE", (headers_folder() / "fmi3Functions.h").read_text())
+    assert len(functions) > 70
+    assert [one for one in functions if not hasattr(library_3, f"fmi3{one}")] == []
+
+
 def test_every_function_of_the_standard_is_exported(robot):
     with Driver(robot.folder) as instance:
         assert len(FUNCTIONS) == 44
@@ -60,15 +85,23 @@ def test_every_function_of_the_standard_is_exported(robot):
         assert not hasattr(instance.library, "engine_new"), "the runtime must not clash with that of another FMU"
 
 
-def test_the_sources_make_a_library_without_warnings(robot, tmp_path):
-    root = etree.parse(str(robot.folder / "modelDescription.xml"))
-    listed, again = ([one.get("name") for one in root.find(kind)[0]] for kind in ("CoSimulation", "ModelExchange"))
-    assert listed == again
-    files = [robot.folder / "sources" / one for one in listed]
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_sources_make_a_library_without_warnings(version, exported, tmp_path):
+    robot = exported(library.linearized_robot(), version, arrays=version == 3)
+    (configuration,) = read_model_description(str(robot.folder)).buildConfigurations
+    (sources,) = configuration.sourceFileSets
+    assert configuration.modelIdentifier == "linearized_robot"
+    files = [robot.folder / "sources" / one for one in sources.sourceFiles]
     built = tmp_path / "built.so"
     command = [*find_compiler(), "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-shared", "-fPIC"]
     subprocess.run([*command, f"-I{headers_folder()}", "-o", str(built), *map(str, files), "-lm"], check=True)
-    assert b"fmi2DoStep" in built.read_bytes()
+    assert f"fmi{version}DoStep".encode() in built.read_bytes()
+
+
+def test_both_interfaces_of_fmi_2_list_the_same_sources(robot):
+    root = etree.parse(str(robot.folder / "modelDescription.xml"))
+    listed, again = ([one.get("name") for one in root.find(kind)[0]] for kind in ("CoSimulation", "ModelExchange"))
+    assert listed == again
 
 
 def test_missing_folders_are_made_and_nothing_else_is_left(sampled_integrator, tmp_path):
@@ -108,7 +141,9 @@ def test_a_missing_compiler_is_named_and_nothing_is_written(sampled_integrator, 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"fmi_version": 3}, "FMI 3 is not available; use fmi_version=2"),
+        ({"fmi_version": 1}, "FMI 1 is not available; use fmi_version=2 or fmi_version=3"),
+        ({"arrays": True}, "FMI 2 has no array variables; use fmi_version=3"),
+        ({"fmi_version": 3, "platforms": ("linux64",)}, "platform 'linux64' cannot be built here: only 'host'"),
         ({"platforms": ("host", "vax")}, "platform 'vax' cannot be built here: only 'host'"),
         ({"platforms": ()}, "no platform was named"),
     ],

@@ -10,12 +10,19 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Model, FMU2Slave
+from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 from brunovsky.blocks import library
 from brunovsky.errors import BrunovskyError, ParameterError
 from brunovsky.fmi import ComponentError, component
 
 KINDS = ("CoSimulation", "ModelExchange")
+CLASSES = {
+    (2, "CoSimulation"): FMU2Slave,
+    (2, "ModelExchange"): FMU2Model,
+    (3, "CoSimulation"): FMU3Slave,
+    (3, "ModelExchange"): FMU3Model,
+}
 
 
 def _equal(first, second):
@@ -26,28 +33,30 @@ def _equal(first, second):
         )
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_fmpy_runs_it_to_the_results_of_the_fmu(loop, kind):
+@pytest.mark.parametrize(("version", "kind"), CLASSES)
+def test_fmpy_runs_it_to_the_results_of_the_fmu(version, kind, exported):
+    loop = exported(library.closed_loop(), version)
     signal = np.array([(0.0, 0.0, 0.1), (1.0, 0.2, 0.1)], dtype=[("time", float), ("d[1]", float), ("d[2]", float)])
     options = {"fmi_type": kind, "stop_time": 1.0, "start_values": {"P": 1.5}, "input": signal}
-    with component(library.closed_loop(), interface=kind) as one:
-        assert isinstance(one, FMU2Slave if kind == "CoSimulation" else FMU2Model)
+    with component(library.closed_loop(), version, kind) as one:
+        assert isinstance(one, CLASSES[version, kind])
         found = fmpy.simulate_fmu(one.directory, fmu_instance=one, **options)
     _equal(found, fmpy.simulate_fmu(str(loop.fmu), **options))
 
 
 @pytest.mark.parametrize("name", ["zoo", "relay", "sampled_integrator", "ball"])
-@pytest.mark.parametrize("kind", KINDS)
-def test_events_are_those_of_the_fmu(name, kind, exported, request):
+@pytest.mark.parametrize(("version", "kind"), CLASSES)
+def test_events_are_those_of_the_fmu(name, version, kind, exported, request):
     block = request.getfixturevalue(name)
     options = {"fmi_type": kind, "stop_time": 1.0, "output_interval": 0.02}
-    with component(block, interface=kind) as one:
+    with component(block, version, kind) as one:
         found = fmpy.simulate_fmu(one.directory, fmu_instance=one, **options)
-    _equal(found, fmpy.simulate_fmu(str(exported(block).fmu), **options))
+    _equal(found, fmpy.simulate_fmu(str(exported(block, version).fmu), **options))
 
 
-def test_it_runs_again_after_a_reset():
-    with component(library.linearized_robot()) as one:
+@pytest.mark.parametrize("version", [2, 3])
+def test_it_runs_again_after_a_reset(version):
+    with component(library.linearized_robot(), version) as one:
         options = {"fmu_instance": one, "fmi_type": "CoSimulation", "stop_time": 0.5}
         first = fmpy.simulate_fmu(one.directory, **options, start_values={"eta_start[2]": 1.0})
         one.reset()
@@ -135,11 +144,122 @@ def test_its_folder_lives_as_long_as_it_does(sampled_integrator):
         two.doStep(0.0, 0.1)
 
 
+def _values(one, *names):
+    read = one.getReal if one.fmi_version == 2 else one.getFloat64
+    return read([one.references[name] for name in names])
+
+
+def _start(one):
+    """Start the robot turning, in either version and interface."""
+    write = one.setReal if one.fmi_version == 2 else one.setFloat64
+    if one.fmi_version == 2:
+        one.setupExperiment(startTime=0.0)
+    write([one.references["eta_start[2]"]], [1.0])
+    one.enterInitializationMode()
+    write([one.references["v[1]"]], [0.3])
+    one.exitInitializationMode()
+
+
+def _advance(one, time, length):
+    """A step: of the component itself, or one of Euler in its derivatives."""
+    if isinstance(one, FMU2Slave | FMU3Slave):
+        one.doStep(time, length)
+        return
+    count = len(one.model_description.derivatives)
+    x, dx = (ctypes.c_double * count)(), (ctypes.c_double * count)()
+    one.getContinuousStates(x, count)
+    derivatives = one.getDerivatives if one.fmi_version == 2 else one.getContinuousStateDerivatives
+    derivatives(dx, count)
+    one.setContinuousStates((ctypes.c_double * count)(*(a + length * b for a, b in zip(x, dx, strict=True))), count)
+    one.setTime(time + length)
+
+
+@pytest.mark.parametrize(("version", "kind"), CLASSES)
+def test_it_steps_saves_and_restores(version, kind):
+    with (
+        component(library.linearized_robot(), version, kind) as one,
+        component(library.linearized_robot(), version, kind) as other,
+    ):
+        get, put, free, pack, unpack = (
+            getattr(other, name)
+            for name in (
+                ("getFMUstate", "setFMUstate", "freeFMUstate", "serializeFMUstate", "deSerializeFMUstate")
+                if version == 2
+                else ("getFMUState", "setFMUState", "freeFMUState", "serializeFMUState", "deserializeFMUState")
+            )
+        )
+        for instance in (one, other):
+            _start(instance)
+            if kind == "ModelExchange":
+                (instance.newDiscreteStates if version == 2 else instance.updateDiscreteStates)()
+                instance.enterContinuousTimeMode()
+            _advance(instance, 0.0, 0.1)
+        state = get()
+        packed = pack(state)
+        for instance in (one, other):
+            _advance(instance, 0.1, 0.1)
+        names = ("x", "y", "theta", "eta[1]", "u[2]")
+        ahead = _values(other, *names)
+        assert ahead == _values(one, *names) and ahead[0] != 0
+        for restored in (state, unpack(packed)):
+            put(restored)
+            assert _values(other, *names) != ahead
+            _advance(other, 0.1, 0.1)
+            assert _values(other, *names) == ahead
+            free(restored)
+
+
+def test_a_discarded_step_of_fmi_3_has_its_message_without_logging():
+    with component(library.linearized_robot(), 3) as one:
+        one.enterInitializationMode()
+        one.setFloat64([one.references["v[1]"]], [1e308])
+        one.exitInitializationMode()
+        with pytest.raises(ComponentError, match=r"fmi3DoStep: .*t = ") as caught:
+            one.doStep(0.0, 1.0)
+        assert (caught.value.function, caught.value.status) == ("fmi3DoStep", 2)
+        assert _values(one, "time", "x") == [0.0, 0.0]
+
+
+def test_a_refusal_of_fmi_3_is_the_same():
+    with component(library.linearized_robot(), 3) as one:
+        with pytest.raises(ComponentError, match=r"rho\[1\] = -1 is out of its range") as caught:
+            one.setFloat64([one.references["rho[1]"]], [-1.0])
+        assert (caught.value.function, caught.value.status) == ("fmi3SetFloat64", 3)
+    with pytest.raises(ComponentError, match="fmi3DoStep: the component has ended"):
+        one.doStep(0.0, 0.1)
+    assert not os.path.exists(one.directory)
+
+
+def test_options_of_co_simulation_reach_the_fmu(ball):
+    seen = []
+
+    def update(_environment, time, _set, _get, _finished, can_return_early, early, early_time):
+        seen.append((time, bool(can_return_early)))
+
+    with component(ball, 3, event_mode_used=True, early_return_allowed=True, intermediate_update=update) as one:
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        one.updateDiscreteStates()
+        one.enterStepMode()
+        time = 0.0
+        while _values(one, "velocity")[0] <= 0:  # the first event is that it begins to fall
+            event, _, early, time = one.doStep(time, 1.0)
+            assert event and early
+            one.enterEventMode()
+            one.updateDiscreteStates()
+            one.enterStepMode()
+    assert time == pytest.approx(math.sqrt(2 / 9.81), abs=2e-3)
+    assert seen and all(can for _, can in seen) and max(at for at, _ in seen) <= time
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"fmi_version": 3}, "FMI 3 is not available; use fmi_version=2"),
-        ({"interface": "ScheduledExecution"}, "no interface 'ScheduledExecution'; use CoSimulation or ModelExchange"),
+        ({"fmi_version": 1}, "FMI 1 is not available; use fmi_version=2"),
+        ({"interface": "ScheduledExecution"}, "'ScheduledExecution' of .*; use CoSimulation or ModelExchange"),
+        ({"interface": "ScheduledExecution", "fmi_version": 3}, "in FMI 3; use CoSimulation or ModelExchange"),
+        ({"event_mode_used": True}, "options of co-simulation in FMI 3"),
+        ({"early_return_allowed": True, "fmi_version": 3, "interface": "ModelExchange"}, "options of co-simulation"),
     ],
 )
 def test_what_is_not_available_is_refused(options, message, sampled_integrator):

@@ -70,6 +70,12 @@ PARTS = {
         {k: unit for k, unit in LOOP_PARAMETERS.items() if k in ("center[1]", "center[2]", "radius", "rate", "phase")},
     ),
     "sliding_mode": (CONTROLLER_INPUTS, V | S, SURFACE | {"Q": "1/s", "P": "m/s3", "phi": "m/s2"}),
+    "sliding_mode_relay": (
+        CONTROLLER_INPUTS,
+        V | S,
+        SURFACE | {"Q": "1/s", "P": "m/s3", "hysteresis": "m/s2", "dwell": "s"},
+    ),
+    "sliding_mode_sampled": (CONTROLLER_INPUTS, V | S, {"sampling_period": "s"} | SURFACE | {"Q": "1/s", "P": "m/s3"}),
     "pole_placement": (CONTROLLER_INPUTS, V, {"K[1]": "1/s3", "K[2]": "1/s2", "K[3]": "1/s"}),
     "super_twisting": (CONTROLLER_INPUTS, V | S, SURFACE | {"k[1]": "1", "k[2]": "1", "L": "m/s4"}),
 }
@@ -84,6 +90,11 @@ def test_parts_have_the_variables_of_the_contract(name, exported):
     assert _units(description, "output") == outputs
     assert _units(description, "parameter") == parameters
     assert validate_fmu(str(path)) == []
+
+
+def test_the_relays_are_integers_of_the_block(exported):
+    description = read_model_description(str(exported(shipped_block("sliding_mode_relay")).fmu))
+    assert _units(description, "output", "Integer").keys() == {"relay[1]", "relay[2]"}
 
 
 @pytest.fixture(params=list(TABLES))
@@ -176,6 +187,9 @@ def test_fmpy_finds_nothing(robot, loop):
 
 
 def test_the_manifest_lists_the_fmus_that_ship():
-    assert list(shipped_fmus()) == ["linearized_robot", "closed_loop", *PARTS]
+    everything = ["linearized_robot", "closed_loop", *PARTS]
+    assert list(shipped_fmus(2)) == everything
+    everything.insert(everything.index("sliding_mode_sampled") + 1, "sliding_mode_clocked")
+    assert list(shipped_fmus()) == list(shipped_fmus(3)) == everything
     assert all(shipped_fmus().values())
     assert shipped_block("closed_loop") == library.closed_loop()

@@ -11,6 +11,7 @@ from lxml import etree
 from brunovsky.blocks import Block, Output, Parameter, library
 from brunovsky.errors import ModelError
 from brunovsky.fmi import scalar_variables
+from brunovsky.native.output_derivatives import output_derivatives
 
 
 @pytest.fixture(params=["zoo", "relay", "sampled_integrator", "ball", "circle", "sliding_mode", "robot_plant"])
@@ -31,7 +32,8 @@ def test_both_interfaces_say_what_they_can(any_fmu):
         assert one.canGetAndSetFMUstate and one.canSerializeFMUstate
         assert one.providesDirectionalDerivative and not one.canBeInstantiatedOnlyOncePerProcess
     assert description.coSimulation.canHandleVariableCommunicationStepSize
-    assert not description.coSimulation.canInterpolateInputs
+    assert description.coSimulation.canInterpolateInputs
+    assert description.coSimulation.maxOutputDerivativeOrder == output_derivatives(any_fmu.block).order == 3
     assert not description.modelExchange.completedIntegratorStepNotNeeded
     assert description.numberOfEventIndicators == len(any_fmu.block.indicators)
     assert description.generationDateAndTime is None

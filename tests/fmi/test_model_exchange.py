@@ -216,6 +216,12 @@ def test_states_without_bounds_have_nominals(robot):
         assert instance.vector("GetNominalsOfContinuousStates", 6) == [1.0] * 6
 
 
+def test_nominal_values_are_those_of_the_states(exported):
+    states = [State("x", "m", nominal=1e-6), State("y", "m"), State("z", "m", nominal=250)]
+    with Driver(exported(Block("nominal", states=states)).folder, "ModelExchange") as instance:
+        assert instance.vector("GetNominalsOfContinuousStates", 3) == [1e-6, 1.0, 250.0]
+
+
 def test_a_stored_state_restores_the_mode_and_the_frozen_relations(robot):
     with Driver(robot.folder, "ModelExchange") as instance:
         instance.initialize({"eta_min": 0.5})

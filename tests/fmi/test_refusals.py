@@ -8,7 +8,9 @@ import pytest
 import sympy as sp
 from fmu_driver import ERROR, FUNCTIONS, OK, Driver
 
-from brunovsky.blocks import Block, Check, Mode, Output, Parameter, Transition, symbols
+from brunovsky.blocks import Block, Check, Mode, Output, Parameter, Transition, library, symbols
+from brunovsky.errors import ModelError
+from brunovsky.fmi import component, export_fmu
 
 
 @pytest.fixture
@@ -319,7 +321,7 @@ def test_functions_of_no_instance_are_errors(instance):
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"guid": "{0}"}, "the guid is {0}, but this binary has {"),
+        ({"guid": "{0}"}, "the token is {0}, but this binary has {"),
         ({"name": b""}, "the instance has no name"),
         ({"name": None}, "the instance has no name"),
     ],
@@ -333,12 +335,6 @@ def test_an_instance_needs_a_name_and_the_right_guid(robot, options, text):
 
 def test_what_is_not_provided_says_so(instance):
     instance.initialize()
-    one, reference, value = ctypes.c_size_t(1), (ctypes.c_uint * 1)(12), (ctypes.c_double * 1)()
-    order = (ctypes.c_int * 1)(1)
-    assert instance.call("SetRealInputDerivatives", reference, one, order, value) == ERROR
-    assert "canInterpolateInputs is false" in instance.text
-    assert instance.call("GetRealOutputDerivatives", reference, one, order, value) == ERROR
-    assert "maxOutputDerivativeOrder is 0" in instance.text
     assert instance.call("CancelStep") == ERROR
     assert "no step to cancel" in instance.text
     integer = ctypes.c_int()
@@ -393,6 +389,15 @@ def test_states_of_others_are_refused(instance, exchange, loop):
     with Driver(loop.folder) as other:
         assert other.call("DeSerializeFMUstate", data, size, ctypes.byref(state)) == ERROR
         assert "the state is not one of this FMU" in other.text
+
+
+@pytest.mark.parametrize("export", [lambda block, path: export_fmu(block, path), lambda block, path: component(block)])
+def test_a_block_with_clocks_is_no_fmu_2(export, tmp_path):
+    for block in (library.sliding_mode_clocked(), library.closed_loop(library.sliding_mode_clocked())):
+        message = rf"{block.name} has clocks \((controller\.)?sampling\), which FMI 2 .* fmi_version=3, .*_sampled"
+        with pytest.raises(ModelError, match=message):
+            export(block, tmp_path / "clocked.fmu")
+    assert not list(tmp_path.iterdir())
 
 
 def test_per_cent_signs_reach_the_logger_doubled(exported):

@@ -13,7 +13,7 @@ from fmu_driver import DISCARD, ERROR, OK, Driver
 
 from brunovsky.blocks import TIME, Block, Input, Mode, Output, Parameter, Sample, State, Transition, library, symbols
 from brunovsky.fmi import model_structure, scalar_variables
-from brunovsky.fmi.contents import SOURCE_FILES, headers_folder
+from brunovsky.fmi.contents import headers_folder, source_files
 from brunovsky.native import compile_library
 
 
@@ -28,7 +28,7 @@ def opened(exported, tmp_path_factory):
             shutil.rmtree(target / "binaries")
             binary = target / "binaries" / platform / f"{block.name}{sharedLibraryExtension}"
             binary.parent.mkdir(parents=True)
-            sources = [*(target / "sources" / one for one in SOURCE_FILES), Path(__file__).parent / "internal.c"]
+            sources = [*(target / "sources" / one for one in source_files(2)), Path(__file__).parent / "internal.c"]
             compile_library(sources, binary, include=[target / "sources", headers_folder()])
             known[block.name] = target
         return known[block.name]

@@ -1,5 +1,6 @@
 """Finding and running the C compiler, and the cache of what it made."""
 
+import ctypes
 from pathlib import Path
 
 import pytest
@@ -48,7 +49,49 @@ def test_cache_is_used_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) ->
     stamp = first.stat().st_mtime_ns
     assert library.build_library(br.blocks.circle()) == first and first.stat().st_mtime_ns == stamp
     other = library.build_library(br.blocks.robot())
-    assert sorted(tmp_path.iterdir()) == sorted([first, other])
+    assert sorted(tmp_path.iterdir()) == sorted([first, other, tmp_path / "objects"])
+    stems = [path.stem.partition("-")[0] for path in (tmp_path / "objects").iterdir()]
+    assert sorted(stems) == ["dormand_prince", "engine", "model", "model", "rk4"]  # the runtime once
+
+
+def constant(folder: Path, **options: dict[str, str]) -> int:
+    """What ``constant`` of a fresh library of ``constant.c`` in the folder returns."""
+    output = folder / f"{len(list(folder.iterdir()))}{compiler.SUFFIX}"
+    compile_library([folder / "constant.c"], output, include=[folder / "include"], **options)
+    return int(ctypes.CDLL(str(output)).constant())
+
+
+def test_objects_are_found_again_by_all_that_they_depend_on(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("BRUNOVSKY_CACHE", str(tmp_path / "cache"))
+    folder = tmp_path / "source"
+    (folder / "include").mkdir(parents=True)
+    source, beside, included = folder / "constant.c", folder / "beside.h", folder / "include" / "included.h"
+    export = '__attribute__((visibility("default")))'
+    text = f'#include "beside.h"\n#include <included.h>\n{export} int constant(void) {{ return A + B + C; }}\n'
+    source.write_text(text)
+    beside.write_text("#define A 1\n")
+    included.write_text("#define B 10\n")
+    objects = tmp_path / "cache" / "objects"
+    for expected, count in ((111, 1), (111, 1)):
+        assert constant(folder, defines={"C": "100"}) == expected and len(list(objects.iterdir())) == count
+    beside.write_text("#define A 2\n")
+    assert constant(folder, defines={"C": "100"}) == 112
+    included.write_text("#define B 20\n")
+    assert constant(folder, defines={"C": "100"}) == 122
+    assert constant(folder, defines={"C": "200"}) == 222
+    source.write_text(text.replace("A + B", "A - B"))
+    assert constant(folder, defines={"C": "200"}) == 182
+    assert len(list(objects.iterdir())) == 5
+    beside.write_text("#define A 1\n")
+    included.write_text("#define B 10\n")
+    source.write_text(text)
+    assert constant(folder, defines={"C": "100"}) == 111 and len(list(objects.iterdir())) == 5
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("BRUNOVSKY_CACHE", str(tmp_path / "file" / "cache"))
+    assert br.export_fmu(br.blocks.circle(), tmp_path / "circle.fmu").exists()
 
 
 def test_generated_code_has_no_warnings(tmp_path: Path) -> None:

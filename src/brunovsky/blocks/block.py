@@ -12,12 +12,14 @@ from typing import Any, TypeVar
 import sympy as sp
 
 from brunovsky._suggest import unknown_name
+from brunovsky.blocks.clocks import checked_clocks, clocked_samples
 from brunovsky.blocks.relations import RelationTable, ordered_relations, root_symbols
 from brunovsky.blocks.units import unit_exponents
 from brunovsky.blocks.variables import (
     NAME,
     TIME,
     Check,
+    Clock,
     Input,
     Mode,
     Output,
@@ -27,6 +29,7 @@ from brunovsky.blocks.variables import (
     State,
     Transition,
     Variable,
+    check_nominal,
 )
 from brunovsky.errors import ModelError, ParameterError
 
@@ -42,6 +45,7 @@ KINDS = {
     "relations": Relation,
     "transitions": Transition,
     "checks": Check,
+    "clocks": Clock,
 }
 """Class of the declarations in each group of a block."""
 
@@ -61,13 +65,16 @@ class Block:
         The order of declaration is the order of value references.
     relations, transitions, checks
         Switching conditions, what happens at events, and what must hold.
+    clocks
+        What samples may name instead of a period.
 
     Raises
     ------
     ModelError
-        If a name is illegal or used twice, a symbol unknown, a unit unreadable, or an expression cannot be frozen.
+        If a name is illegal or used twice, a symbol or clock unknown, a unit unreadable, a clock without samples or
+        fixed period, or an expression cannot be frozen.
     ParameterError
-        If a default value is not finite or out of its range.
+        If a default value is not finite or out of its range, or a nominal one not positive.
     """
 
     name: str
@@ -81,6 +88,7 @@ class Block:
     relations: tuple[Relation, ...] = ()
     transitions: tuple[Transition, ...] = ()
     checks: tuple[Check, ...] = field(default=())
+    clocks: tuple[Clock, ...] = ()
 
     def __post_init__(self) -> None:
         """Freeze the sequences, lower the switching functions and check what is declared."""
@@ -89,6 +97,7 @@ class Block:
             if not isinstance(value, str):
                 object.__setattr__(self, item.name, self._checked(item.name, value))
         self._check_names()
+        self._clock()
         self._lower()
         self._check_symbols()
         self.parameter_values()
@@ -114,7 +123,8 @@ class Block:
             raise ModelError("a block cannot be called 'time', the name of the independent variable")
         seen: dict[sp.Symbol, str] = {TIME: "time"}
         carriers = {one.name for one in (*self.states, *self.samples, *self.modes)}
-        for variable in self.variables:
+        named: tuple[Variable | Clock, ...] = (*self.variables, *self.clocks)
+        for variable in named:
             if isinstance(variable, Output) and variable.name in carriers and variable.expression == variable.symbol:
                 continue
             if not NAME.fullmatch(variable.name) or variable.name == "time":
@@ -123,6 +133,13 @@ class Block:
                 raise ModelError(f"{self.name}: '{variable.name}' and '{seen[variable.symbol]}' share a name or symbol")
             seen[variable.symbol] = variable.name
             unit_exponents(variable.unit)
+        for one in self.variables:
+            check_nominal(self.name, one)
+
+    def _clock(self) -> None:
+        clocks = checked_clocks(self.name, self.clocks, self.parameters, self.samples)
+        object.__setattr__(self, "clocks", clocks)
+        object.__setattr__(self, "samples", clocked_samples(self.name, self.samples, clocks))
 
     def _lower(self) -> None:
         table = RelationTable(self.relations, [mode.symbol for mode in self.modes])
@@ -212,16 +229,16 @@ class Block:
             yield f"check '{check.name}'", check.condition, "" if check.when == "failure" else _FROM_PARAMETERS
 
     def __repr__(self) -> str:
-        groups = ("inputs", "parameters", "states", "samples", "modes", "outputs")
+        groups = ("inputs", "parameters", "states", "samples", "modes", "clocks", "outputs")
         counts = ", ".join(f"{len(getattr(self, one))} {one}" for one in groups if getattr(self, one))
         return f"<{type(self).__name__} {self.name}: {counts or 'empty'}>"
 
     def table(self) -> str:
         """Variables with kind, unit, value and description, as a Markdown table that reads as plain text too."""
         rows = [("name", "kind", "unit", "value", "description")]
-        for kind in ("inputs", "parameters", "states", "samples", "modes", "outputs"):
+        for kind in ("inputs", "parameters", "states", "samples", "modes", "clocks", "outputs"):
             for one in getattr(self, kind):
-                value = getattr(one, "value", getattr(one, "start", ""))
+                value = next((getattr(one, key) for key in ("value", "start", "period") if hasattr(one, key)), "")
                 rows.append((one.name, kind[:-1], one.unit, str(value), one.description))
         widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
         rows.insert(1, tuple("-" * width for width in widths))  # type: ignore[arg-type]

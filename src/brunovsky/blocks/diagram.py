@@ -254,6 +254,8 @@ def _mapped(
     def mapped(item: Any, key: str, value: Any) -> Any:
         if key == "name":
             return value if isinstance(item, Check) else rename(value)
+        if key == "clock" and value:
+            return rename(value)
         if isinstance(value, sp.Basic):
             return value.xreplace(substitution)
         if isinstance(value, Mapping):

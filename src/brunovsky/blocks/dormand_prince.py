@@ -39,7 +39,7 @@ INTERIOR = (
 )
 """Weights of the highest term of the interpolation."""
 
-ABSOLUTE = 0.01  # absolute tolerance of a state in its SI unit, as part of the relative one
+ABSOLUTE = 0.01  # absolute tolerance of a state as part of the relative one, in units of its nominal value
 SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 0.9, 0.2, 5.0
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -68,12 +68,12 @@ class Step:
         states: Array = start + fraction * (rise + other * (bend + fraction * (back + other * high)))
         return states
 
-    def error(self, tolerance: float) -> float:
+    def error(self, tolerance: float, nominal: Array) -> float:
         """Estimated error, 1 at the tolerance; NaN or infinity where the step is not finite."""
         if not np.isfinite(self.end).all():
             return float("nan")
         with np.errstate(all="ignore"):
-            weights = _scale(tolerance, self.points[0][1], self.end)
+            weights = _scale(tolerance, nominal, self.points[0][1], self.end)
             return _norm(self.size * _weighted(ERROR, self.slopes) / weights)
 
 
@@ -87,10 +87,12 @@ def attempt(slope: Slope, time: float, start: Array, first: Array, size: float) 
     return Step(size, tuple(points), np.array(slopes))
 
 
-def first_size(slope: Slope, time: float, start: Array, first: Array, longest: float, tolerance: float) -> float:
+def first_size(
+    slope: Slope, time: float, start: Array, first: Array, longest: float, tolerance: float, nominal: Array
+) -> float:
     """Size to begin with, from the first two derivatives of the states."""
     with np.errstate(all="ignore"):
-        weights = _scale(tolerance, start, start)
+        weights = _scale(tolerance, nominal, start, start)
         states, slopes = _norm(start / weights), _norm(first / weights)
         trial = 1e-6 if states < 1e-5 or slopes < 1e-5 else 0.01 * states / slopes
         trial = min(trial, longest)
@@ -114,8 +116,8 @@ def _weighted(weights: tuple[float, ...], slopes: Any) -> Any:
     return total
 
 
-def _scale(tolerance: float, one: Array, other: Array) -> Array:
-    scale: Array = ABSOLUTE * tolerance + tolerance * np.maximum(abs(one), abs(other))
+def _scale(tolerance: float, nominal: Array, one: Array, other: Array) -> Array:
+    scale: Array = ABSOLUTE * tolerance * nominal + tolerance * np.maximum(abs(one), abs(other))
     return scale
 
 

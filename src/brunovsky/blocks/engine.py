@@ -120,6 +120,7 @@ class NumpyEngine:
         self._assignments = [self._function(list(one.assign.values())) for one in block.transitions]
         self._updates = self._function([one.update for one in block.samples])
         self._starts = self._function([*(one.start for one in block.states), *(one.start for one in block.samples)])
+        self._nominal = np.array([one.nominal for one in block.states], dtype=float)
         self._periods = self._function([one.period for one in block.samples])
         self._explanations = [one for one in block.checks if one.when == "failure"]
         self._conditions = self._function([one.condition for one in self._explanations])
@@ -307,12 +308,14 @@ class NumpyEngine:
                 crowd, events = time, 0
             if first is None:
                 first = self._first_slope()
-                size = dormand_prince.first_size(self._slope, time, start, first, stop - time, self.tolerance)
+                size = dormand_prince.first_size(
+                    self._slope, time, start, first, stop - time, self.tolerance, self._nominal
+                )
             last = 1.01 * size >= stop - time
             size = stop - time if last else size
             step = dormand_prince.attempt(self._slope, time, start, first, size)
             self.time, self.states = time, start
-            error, steps = step.error(self.tolerance), steps + 1
+            error, steps = step.error(self.tolerance, self._nominal), steps + 1
             if not error <= 1:
                 self._check_rejected(step, steps, 16 * EPSILON * max(abs(time), abs(stop)))
                 size, growth = size * min(dormand_prince.factor(error), dormand_prince.SAFETY), 1.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -12,7 +13,7 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.guard import find_guards, guarded
 from brunovsky.blocks.units import derivative_unit
-from brunovsky.blocks.variables import NAME, TIME, Input, Output, Parameter, State, Variable, symbol
+from brunovsky.blocks.variables import NAME, TIME, Input, Output, Parameter, State, Variable, described, symbol
 from brunovsky.errors import ModelError
 from brunovsky.linearization import AffineSystem, Linearization, measured_chains
 
@@ -40,7 +41,8 @@ def plant_block(
     name, description : str
         Of the block.
     labels : mapping of Symbol to Variable, optional
-        Name, unit and description of states, inputs and disturbances; a symbol without one keeps its own name.
+        Name, unit, description and nominal value of states, inputs and disturbances; a symbol without one keeps its
+        own name.
     parameters : sequence of Parameter, or mapping of Symbol or str to float
         One for each of ``system.parameters``, with value and range; or only the values.
     starts : mapping of Symbol or str to float, optional
@@ -61,16 +63,16 @@ def plant_block(
     new = {one: label.symbol for one, label in known.items()} | _parameter_symbols(system.parameters)
     start = _start_parameters(system.states, known, starts or {}, system.states)
     states = [
-        State(*_parts(known[one]), derivative=slope.xreplace(new), start=start[one].symbol)
+        State(**described(known[one]), derivative=slope.xreplace(new), start=start[one].symbol)
         for one, slope in zip(system.states, system.dynamics, strict=True)
     ]
     return Block(
         name,
         description,
-        inputs=tuple(Input(*_parts(known[one])) for one in (*system.inputs, *system.disturbances)),
+        inputs=tuple(Input(**described(known[one])) for one in (*system.inputs, *system.disturbances)),
         parameters=(*start.values(), *declared),
         states=tuple(states),
-        outputs=tuple(Output(*_parts(one), expression=one.symbol) for one in states),
+        outputs=tuple(Output(**described(one), expression=one.symbol) for one in states),
     )
 
 
@@ -144,11 +146,16 @@ def inner_loop(
     return Block(
         name,
         description,
-        inputs=tuple(Input(*_parts(one)) for one in (*outer, *(known[one] for one in (*system.states, *disturbances)))),
+        inputs=tuple(
+            Input(**described(one)) for one in (*outer, *(known[one] for one in (*system.states, *disturbances)))
+        ),
         parameters=(*start.values(), *_declared(constants, parameters), *(one.limit for one in found)),
-        states=tuple(State(*_parts(known[one]), guarded(slopes[one], found), start[one].symbol) for one in compensator),
+        states=tuple(
+            State(**described(known[one]), derivative=guarded(slopes[one], found), start=start[one].symbol)
+            for one in compensator
+        ),
         outputs=(
-            *(Output(*_parts(known[one]), expression=guarded(commands[one], found)) for one in system.inputs),
+            *(Output(**described(known[one]), expression=guarded(commands[one], found)) for one in system.inputs),
             *_chain_outputs(chains, units, new),
             Output("singular", "1", singular, sp.Not(sp.And(*(one.regular for one in found)))),
         ),
@@ -306,10 +313,6 @@ def _parameter_symbols(parameters: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Sy
     return {one: symbol(str(one)) for one in parameters}
 
 
-def _parts(one: Variable) -> tuple[str, str, str]:
-    return one.name, one.unit, one.description
-
-
 def _declared(symbols: Iterable[sp.Symbol], given: Declarations) -> list[Parameter]:
     """Declarations of a system's parameters, each by itself or by its value alone."""
     names = dict.fromkeys(map(str, symbols))
@@ -341,13 +344,17 @@ def _start_parameters(
 def start_parameter(one: Variable, value: float = 0.0) -> Parameter:
     """Fixed parameter that is the start value of a state."""
     stem, bracket, indices = one.name.partition("[")
-    return Parameter(f"{stem}_start{bracket}{indices}", one.unit, f"start value of {one.name}", value)
+    return Parameter(
+        f"{stem}_start{bracket}{indices}", one.unit, f"start value of {one.name}", value, nominal=one.nominal
+    )
 
 
 def command(one: Variable) -> Variable:
     """What is commanded of an actuator, where that is not what acts: ``u_command[1]`` for ``u[1]``."""
     stem, bracket, indices = one.name.partition("[")
-    return Variable(f"{stem}_command{bracket}{indices}", one.unit, f"{one.description}, as commanded")
+    return dataclasses.replace(
+        one, name=f"{stem}_command{bracket}{indices}", description=f"{one.description}, as commanded"
+    )
 
 
 def _is_start(parameter: Parameter, blocks: Iterable[Block]) -> bool:

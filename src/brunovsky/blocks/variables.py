@@ -6,14 +6,17 @@ Names follow FMI's structured naming (``eta[1]``, ``robot.x``); the symbol a nam
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
+import numpy as np
 import sympy as sp
 
 from brunovsky._frozen import FrozenMapping
+from brunovsky.errors import ParameterError
 
 TIME = sp.Symbol("t", real=True)
 """Time in s, the independent variable of every expression."""
@@ -43,16 +46,24 @@ class Variable:
         Product of SI base units and rad with integer exponents, ``"1"`` if it has none.
     description : str
         One line for people.
+    nominal : float, keyword
+        Magnitude that is typical of a real variable, in its unit; absolute tolerances of solvers refer to it.
     """
 
     name: str
     unit: str = "1"
     description: str = ""
+    nominal: float = field(default=1.0, kw_only=True)
 
     @property
     def symbol(self) -> sp.Symbol:
         """Symbol of the variable in expressions."""
         return symbol(self.name)
+
+
+def described(one: Variable) -> dict[str, Any]:
+    """What all variables have in common, as keywords for another one that stands for the same quantity."""
+    return {item.name: getattr(one, item.name) for item in dataclasses.fields(Variable)}
 
 
 @dataclass(frozen=True)
@@ -81,17 +92,48 @@ class State(Variable):
 
 
 @dataclass(frozen=True)
-class Sample(Variable):
-    """A discrete state, updated every ``period`` seconds and held between.
+class Clock:
+    """What makes samples happen: every ``period`` seconds, unless an importer of the FMU ticks it at other instants.
 
-    ``update`` and all other updates of the same block see the values from before the instant. ``rank`` orders
+    Parameters
+    ----------
+    name : str
+        Structured name, unique in its block.
+    description : str
+        One line for people.
+    period : sympy.Expr
+        A positive number, or the symbol of a parameter that is not tunable, s.
+    """
+
+    name: str
+    description: str = ""
+    period: sp.Expr = sp.S.One
+
+    @property
+    def symbol(self) -> sp.Symbol:
+        """Symbol that no other variable may have; expressions do not use it."""
+        return symbol(self.name)
+
+    @property
+    def unit(self) -> str:
+        """Unit of the period."""
+        return "s"
+
+
+@dataclass(frozen=True)
+class Sample(Variable):
+    """A discrete state, updated every ``period`` seconds or when its ``clock`` ticks, and held between.
+
+    ``clock`` is the name of a clock of the block, whose period the block then fills in; without either the period is
+    1 s. ``update`` and all other updates of the same block see the values from before the instant. ``rank`` orders
     the samples of a diagram: those of a lower rank are updated first and seen by the higher ones.
     """
 
     update: sp.Expr = sp.S.Zero
     start: sp.Expr = sp.S.Zero
-    period: sp.Expr = sp.S.One
+    period: sp.Expr = None
     rank: int = 0
+    clock: str = ""
 
 
 @dataclass(frozen=True)
@@ -156,3 +198,20 @@ class Check:
     condition: sp.logic.boolalg.Boolean
     message: str
     when: Literal["start", "model exchange", "failure"] = "start"
+
+
+def check_nominal(block: str, variable: Variable) -> None:
+    """Error if the nominal value of a variable is not positive and finite; ``block`` is the name for messages.
+
+    Raises
+    ------
+    ParameterError
+        If so.
+    """
+    value = variable.nominal
+    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    if not number or not 0 < value < float("inf"):
+        raise ParameterError(
+            f"{block}: the nominal value of '{variable.name}' is {value!r}; it is the magnitude that is typical of the "
+            "variable, a positive finite number"
+        )

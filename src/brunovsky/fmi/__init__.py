@@ -1,7 +1,8 @@
 """FMUs and in-process components of any block, and the list of FMUs that ship."""
 
 from brunovsky.fmi.archive import export_fmu
-from brunovsky.fmi.component import ComponentError, component
+from brunovsky.fmi.component import component
+from brunovsky.fmi.instances import ComponentError
 from brunovsky.fmi.manifest import shipped_block, shipped_fmus
 from brunovsky.fmi.structure import ModelStructure, Unknown, model_structure
 from brunovsky.fmi.variables import ScalarVariable, scalar_variables

@@ -8,20 +8,24 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import fmpy
-
 from brunovsky.blocks import Block
 from brunovsky.errors import BrunovskyError, ParameterError
-from brunovsky.fmi.contents import fmu_files
+from brunovsky.fmi.contents import check_version, fmu_files, platform_name
 
-FMI_VERSIONS = (2,)
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def export_fmu(
-    block: Block, path: str | os.PathLike[str], fmi_version: int = 2, platforms: Sequence[str] = ("host",)
+    block: Block,
+    path: str | os.PathLike[str],
+    fmi_version: int = 2,
+    platforms: Sequence[str] = ("host",),
+    *,
+    arrays: bool = False,
 ) -> Path:
     """Write an FMU for co-simulation and model exchange, with its sources.
+
+    A block that clocks alone make act has scheduled execution as well (FMI 3).
 
     The file is written whole or not at all, and has the same bytes for equal blocks on the same machine.
 
@@ -32,9 +36,12 @@ def export_fmu(
     path : path
         Of the FMU; missing folders are made.
     fmi_version : int
-        2, the only one so far.
+        2 or 3. A block with clocks needs 3.
     platforms : sequence of str
-        Only this machine so far: ``"host"``, or its FMI 2 name (``"linux64"``, ``"win64"``, ``"darwin64"``).
+        Only this machine so far: ``"host"``, or its name in that version (``"linux64"``, ``"x86_64-linux"``, …).
+    arrays : bool
+        Whether elements ``name[1]`` to ``name[n]`` of one unit are one array variable ``name`` (FMI 3). By default
+        they are scalars, with the names of FMI 2.
 
     Returns
     -------
@@ -44,37 +51,32 @@ def export_fmu(
     Raises
     ------
     ParameterError
-        For a version or platform that cannot be built.
+        For a version or platform that cannot be built, and for arrays in FMI 2.
     ModelError
-        If the block uses a name that every FMU has: ``step_size``, ``solver``.
+        If the block uses a name that every FMU has: ``step_size``, ``solver``; for FMI 2 of a block with clocks.
     CompilerError
         If there is no C compiler or it fails.
     BrunovskyError
         If the file cannot be written.
     """
-    check_version(fmi_version)
+    check_version(block, fmi_version, arrays)
+    host = platform_name(fmi_version)
     for one in platforms:
-        if one not in ("host", fmpy.platform):
+        if one not in ("host", host):
             raise ParameterError(
-                f"platform '{one}' cannot be built here: only 'host' ({fmpy.platform}) can; "
+                f"platform '{one}' cannot be built here: only 'host' ({host}) can; "
                 "the FMU has its sources, compile them on the other machine"
             )
     if not platforms:
-        raise ParameterError(f"no platform was named; name 'host' ({fmpy.platform})")
+        raise ParameterError(f"no platform was named; name 'host' ({host})")
     target = Path(path)
-    files = fmu_files(block)
+    files = fmu_files(block, fmi_version, arrays)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         _write(target, files)
     except OSError as error:
         raise BrunovskyError(f"the FMU {target} cannot be written: {error.strerror or error}") from None
     return target
-
-
-def check_version(fmi_version: int) -> None:
-    """Refuse versions of FMI that are not built."""
-    if fmi_version not in FMI_VERSIONS:
-        raise ParameterError(f"FMI {fmi_version} is not available; use fmi_version=2")
 
 
 def _write(target: Path, files: Mapping[str, bytes]) -> None:

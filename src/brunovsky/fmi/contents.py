@@ -1,4 +1,4 @@
-"""The files of an FMU 2.0: sources, generated and of the runtime, the description, and the binary for this machine."""
+"""The files of an FMU: sources, generated and of the runtime, the description, and the binary for this machine."""
 
 from __future__ import annotations
 
@@ -14,79 +14,138 @@ import fmpy
 
 from brunovsky._resources import resource, runtime_folder
 from brunovsky.blocks import Block
-from brunovsky.fmi.description2 import model_description
+from brunovsky.errors import ModelError, ParameterError
+from brunovsky.fmi import description2, description3
+from brunovsky.fmi.arrays import array_variables, spans
 from brunovsky.fmi.structure import dependency_tables
-from brunovsky.fmi.variables import scalar_variables
+from brunovsky.fmi.variables import reference_offsets, scalar_variables
 from brunovsky.native import compile_library, jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
+from brunovsky.native.output_derivatives import output_derivatives_source
 
-_RUNTIME = (*ENGINE_SOURCES, "instance.c", "sensitivity.c", "first_instant.c", "dependencies.c", "fmi2.c")
-_HEADERS = (
-    *ENGINE_HEADERS,
-    "description.h",
-    "first_instant.h",
-    "instance.h",
-    "jacobian.h",
-    "sensitivity.h",
-    "variables.h",
-)
-SOURCE_FILES = ("model.c", "jacobian.c", "description.c", *_RUNTIME)
-"""C files that make up the binary; the first three are generated."""
+FMI_VERSIONS = (2, 3)
+_OWN_SOURCES = "instance variables extrapolation sensitivity first_instant dependencies state fmu"
+_RUNTIME = (*ENGINE_SOURCES, *(f"{name}.c" for name in _OWN_SOURCES.split()))
+_OWN_HEADERS = "description instance variables jacobian output_derivatives sensitivity first_instant fmu"
+_HEADERS = (*ENGINE_HEADERS, *(f"{name}.h" for name in _OWN_HEADERS.split()))
+_GENERATED = ("model.c", "jacobian.c", "output_derivatives.c", "description.c")
 
 _TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN"}
 
 
-def headers_folder() -> Path:
-    """Folder with the headers of the standard, ``fmi2Functions.h`` and those it includes, as fmpy brings them."""
-    return Path(fmpy.__file__).parent / "c-code"
+def source_files(fmi_version: int) -> tuple[str, ...]:
+    """C files that make up the binary; the first four are generated."""
+    return (*_GENERATED, *_RUNTIME, f"fmi{fmi_version}.c")
 
 
-@lru_cache(maxsize=64)
-def fmu_files(block: Block) -> Mapping[str, bytes]:
-    """Every file of the FMU by its path inside, the binary compiled for this machine.
+def platform_name(fmi_version: int) -> str:
+    """Name that the standard gives this machine's platform."""
+    return str(fmpy.platform if fmi_version == 2 else fmpy.platform_tuple)
 
-    The guid is a hash of everything else in the description and of all sources, so that it is the same for equal
-    blocks and another one for others.
+
+def check_version(block: Block, fmi_version: int, arrays: bool = False) -> None:
+    """Refuse what cannot be built.
 
     Raises
     ------
+    ParameterError
+        For a version that is unknown, and for arrays in FMI 2.
     ModelError
-        If the block uses a name that every FMU has.
+        For FMI 2 of a block with clocks.
+    """
+    if fmi_version not in FMI_VERSIONS:
+        raise ParameterError(f"FMI {fmi_version} is not available; use fmi_version=2 or fmi_version=3")
+    if fmi_version == 2 and arrays:
+        raise ParameterError("FMI 2 has no array variables; use fmi_version=3, or arrays=False")
+    if fmi_version == 2 and block.clocks:
+        names = ", ".join(one.name for one in block.clocks)
+        raise ModelError(
+            f"{block.name} has clocks ({names}), which FMI 2 does not know; export it with fmi_version=3, or give its "
+            "samples a period instead, as sliding_mode_sampled does in place of sliding_mode_clocked"
+        )
+
+
+def headers_folder() -> Path:
+    """Folder with the headers of the standard, ``fmi2Functions.h``, ``fmi3Functions.h`` and those they include."""
+    return Path(fmpy.__file__).parent / "c-code"  # as fmpy brings them
+
+
+@lru_cache(maxsize=64)
+def fmu_files(block: Block, fmi_version: int = 2, arrays: bool = False) -> Mapping[str, bytes]:
+    """Every file of the FMU by its path inside, the binary compiled for this machine.
+
+    The guid or instantiation token is a hash of everything else in the description and of all sources, so that it is
+    the same for equal blocks and another one for others.
+
+    Raises
+    ------
+    ParameterError
+        For a version that is unknown, and for arrays in FMI 2.
+    ModelError
+        If the block uses a name that every FMU has, or has clocks that the version doesn't know.
     CompilerError
         If there is no C compiler or it fails.
     """
-    from brunovsky import __version__  # known only when the package is imported whole
-
-    blank = model_description(block, "", SOURCE_FILES, __version__)
-    generated = {"model.c": model_source(block).encode(), "jacobian.c": jacobian_source(block).encode()}
-    runtime = {name: (runtime_folder() / name).read_bytes() for name in (*_RUNTIME, *_HEADERS)}
-    token = _token([blank, *generated.values(), *runtime.values()])
-    sources = runtime | generated | {"description.c": description_source(block, token).encode()}
+    check_version(block, fmi_version, arrays)
+    names = source_files(fmi_version)
+    descriptions = _descriptions(block, fmi_version, arrays, "")
+    generated = {
+        "model.c": model_source(block).encode(),
+        "jacobian.c": jacobian_source(block).encode(),
+        "output_derivatives.c": output_derivatives_source(block).encode(),
+    }
+    copied = (*(one for one in names if one not in _GENERATED), *_HEADERS)
+    runtime = {name: (runtime_folder() / name).read_bytes() for name in copied}
+    token = _token([*descriptions.values(), *generated.values(), *runtime.values()])
+    description = description_source(block, token, arrays).encode()
+    sources = runtime | generated | {"description.c": description}
     files = {f"sources/{name}": text for name, text in sources.items()}
     files["documentation/licenses/brunovsky.txt"] = resource("LICENSE").read_bytes()  # of the runtime
-    files["modelDescription.xml"] = model_description(block, token, SOURCE_FILES, __version__)
-    files[f"binaries/{fmpy.platform}/{block.name}{fmpy.sharedLibraryExtension}"] = _binary(block.name, sources)
+    files |= _descriptions(block, fmi_version, arrays, token)
+    library = f"{block.name}{fmpy.sharedLibraryExtension}"
+    files[f"binaries/{platform_name(fmi_version)}/{library}"] = _binary(library, sources, names)
     return MappingProxyType(files)
 
 
-def description_source(block: Block, token: str) -> str:
+def _descriptions(block: Block, fmi_version: int, arrays: bool, token: str) -> dict[str, bytes]:
+    from brunovsky import __version__  # known only when the package is imported whole
+
+    names = source_files(fmi_version)
+    if fmi_version == 2:
+        return {"modelDescription.xml": description2.model_description(block, token, names, __version__)}
+    return {
+        "modelDescription.xml": description3.model_description(block, token, __version__, arrays),
+        "sources/buildDescription.xml": description3.build_description(block, names),
+    }
+
+
+def description_source(block: Block, token: str, arrays: bool = False) -> str:
     """C text of what the runtime needs of the description: ``brunovsky_description`` of ``description.h``."""
-    variables = scalar_variables(block)
+    variables = scalar_variables(block, fmi_version=3)
     types = {one.name: _TYPES[one.type] for one in variables if one.causality == "output"}
-    modes = [f'"{one.name}"' for one in block.modes]
+    lengths = spans(array_variables(variables, arrays), reference_offsets(block)["end"])
+    tables = [
+        _table("char *const", "m_names", [f'"{one.name}"' for one in block.modes]),
+        _table("char *const", "z_names", [f'"{one.name}"' for one in variables if one.indicator]),
+        _table("Type", "y_types", [types[one.name] for one in block.outputs], "REAL"),
+        _table("int", "p_tunable", [str(int(one.tunable)) for one in block.parameters]),
+    ]
+    if lengths:
+        tables.append(_table("unsigned", "spans", map(str, lengths)))
+    tables += dependency_tables(block, variables)
+    fields = {"token": f'"{token}"'}
+    fields |= {name: name for name in ("m_names", "z_names", "y_types", "p_tunable", "initial", "running")}
+    fields |= {f"n_{name}": f"sizeof {name} / sizeof *{name} - 1" for name in ("initial", "running")}
+    fields["spans"] = "spans" if lengths else "0"
     return "\n".join(
         [
             f'/* Generated from the block "{block.name}". Do not edit. */',
             '#include "description.h"',
             "",
-            _table("char *const", "m_names", modes),
-            _table("Type", "y_types", [types[one.name] for one in block.outputs], "REAL"),
-            _table("int", "p_tunable", [str(int(one.tunable)) for one in block.parameters]),
-            *dependency_tables(block, variables),
+            *tables,
             "",
             "const Description brunovsky_description = {",
-            f'    "{token}", m_names, y_types, p_tunable, initial, running,',
-            "    sizeof initial / sizeof *initial - 1, sizeof running / sizeof *running - 1,",
+            *(f"    .{name} = {value}," for name, value in fields.items()),
             "};",
             "",
         ]
@@ -104,11 +163,11 @@ def _token(parts: Iterable[bytes]) -> str:
     return f"{{{uuid.UUID(bytes=digest.digest()[:16])}}}"
 
 
-def _binary(name: str, sources: Mapping[str, bytes]) -> bytes:
+def _binary(file: str, sources: Mapping[str, bytes], names: Iterable[str]) -> bytes:
     with tempfile.TemporaryDirectory(prefix="brunovsky-") as folder:
         base = Path(folder)
-        for file, text in sources.items():
-            (base / file).write_bytes(text)
-        library = base / f"{name}{fmpy.sharedLibraryExtension}"
-        compile_library([base / file for file in SOURCE_FILES], library, include=[base, headers_folder()])
+        for name, text in sources.items():
+            (base / name).write_bytes(text)
+        library = base / file
+        compile_library([base / name for name in names], library, include=[base, headers_folder()])
         return library.read_bytes()

@@ -7,19 +7,20 @@ from collections.abc import Sequence
 from lxml import etree
 
 from brunovsky.blocks import Block
-from brunovsky.blocks.units import BASE_UNITS, unit_exponents
+from brunovsky.fmi.definitions import (
+    SOLVER_DESCRIPTION,
+    SOLVER_TYPE,
+    add_default_experiment,
+    add_log_categories,
+    add_solvers,
+    add_units,
+    number_text,
+    root_element,
+    xml_text,
+)
 from brunovsky.fmi.structure import Unknown, model_structure
-from brunovsky.fmi.variables import SOLVERS, ScalarVariable, scalar_variables
-
-LOG_CATEGORIES = {
-    "logEvents": "changes of states, samples and modes at events",
-    "logStatusWarning": "warnings; always logged",
-    "logStatusDiscard": "calls with status fmi2Discard; always logged",
-    "logStatusError": "calls with status fmi2Error; always logged",
-    "logAll": "all of these",
-}
-STOP_TIME, COMMUNICATION_STEP, TOLERANCE = 10.0, 0.01, 1e-6
-_SOLVER_TYPE = "Solver"
+from brunovsky.fmi.variables import ScalarVariable, scalar_variables
+from brunovsky.native.output_derivatives import output_derivatives
 
 
 def model_description(block: Block, token: str, source_files: Sequence[str], version: str) -> bytes:
@@ -42,39 +43,22 @@ def model_description(block: Block, token: str, source_files: Sequence[str], ver
         UTF-8, the same for equal arguments.
     """
     variables = scalar_variables(block)
-    root = etree.Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=block.name,
-        guid=token,
-        description=block.description or block.name,
-        generationTool=f"brunovsky {version}",
-        variableNamingConvention="structured",
-        numberOfEventIndicators=str(len(block.indicators)),
-    )
-    _interfaces(root, block.name, source_files)
-    _units(root, variables)
+    own = {"fmiVersion": "2.0", "guid": token, "numberOfEventIndicators": str(len(block.indicators))}
+    root = root_element(block, version, own)
+    _interfaces(root, block, source_files)
+    add_units(root, variables)
     if any(one.type == "Enumeration" for one in variables):
         _solver_type(root)
-    categories = etree.SubElement(root, "LogCategories")
-    for name, description in LOG_CATEGORIES.items():
-        etree.SubElement(categories, "Category", name=name, description=description)
-    etree.SubElement(
-        root,
-        "DefaultExperiment",
-        startTime="0.0",
-        stopTime=repr(STOP_TIME),
-        tolerance=repr(TOLERANCE),
-        stepSize=repr(COMMUNICATION_STEP),
-    )
+    add_log_categories(root)
+    add_default_experiment(root)
     _variables(root, variables)
     _structure(root, block, variables)
-    return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True))
+    return xml_text(root)
 
 
-def _interfaces(root: etree._Element, name: str, source_files: Sequence[str]) -> None:
+def _interfaces(root: etree._Element, block: Block, source_files: Sequence[str]) -> None:
     common = {
-        "modelIdentifier": name,
+        "modelIdentifier": block.name,
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
@@ -82,28 +66,18 @@ def _interfaces(root: etree._Element, name: str, source_files: Sequence[str]) ->
     }
     for tag, own in (
         ("ModelExchange", {"completedIntegratorStepNotNeeded": "false"}),
-        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "false",
-                          "maxOutputDerivativeOrder": "0"}),
+        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "true",
+                          "maxOutputDerivativeOrder": str(output_derivatives(block).order)}),
     ):  # fmt: skip
         files = etree.SubElement(etree.SubElement(root, tag, common | own), "SourceFiles")
         for file in source_files:
             etree.SubElement(files, "File", name=file)
 
 
-def _units(root: etree._Element, variables: Sequence[ScalarVariable]) -> None:
-    definitions = etree.SubElement(root, "UnitDefinitions")
-    for unit in sorted({one.unit for one in variables if one.type == "Real"}):
-        exponents = zip(BASE_UNITS, unit_exponents(unit), strict=True)
-        element = etree.SubElement(definitions, "Unit", name=unit)
-        etree.SubElement(element, "BaseUnit", {name: str(value) for name, value in exponents if value})
-
-
 def _solver_type(root: etree._Element) -> None:
     definitions = etree.SubElement(root, "TypeDefinitions")
-    simple = etree.SubElement(definitions, "SimpleType", name=_SOLVER_TYPE, description="integration method")
-    items = etree.SubElement(simple, "Enumeration")
-    for value, (name, description) in enumerate(SOLVERS.items(), 1):
-        etree.SubElement(items, "Item", name=name, value=str(value), description=description)
+    simple = etree.SubElement(definitions, "SimpleType", name=SOLVER_TYPE, description=SOLVER_DESCRIPTION)
+    add_solvers(etree.SubElement(simple, "Enumeration"))
 
 
 def _variables(root: etree._Element, variables: Sequence[ScalarVariable]) -> None:
@@ -119,14 +93,15 @@ def _variables(root: etree._Element, variables: Sequence[ScalarVariable]) -> Non
         if one.type == "Real":
             value["unit"] = one.unit
         if one.type == "Enumeration":
-            value["declaredType"] = _SOLVER_TYPE
+            value["declaredType"] = SOLVER_TYPE
         if one.derivative_of:
             value["derivative"] = str(indices[one.derivative_of])
         if one.reinit:
             value["reinit"] = "true"
-        for key, number in (("min", one.minimum), ("max", one.maximum), ("start", one.start)):
+        numbers = {"min": one.minimum, "max": one.maximum, "nominal": one.nominal if one.nominal != 1 else None}
+        for key, number in (numbers | {"start": one.start}).items():
             if number is not None:
-                value[key] = repr(float(number)) if one.type == "Real" else str(int(number))
+                value[key] = number_text(number, one.type)
         etree.SubElement(element, one.type, value)
 
 

@@ -8,12 +8,20 @@ from collections.abc import Mapping
 from brunovsky._resources import resource
 from brunovsky.blocks import Block, library
 from brunovsky.errors import ParameterError
+from brunovsky.fmi.contents import FMI_VERSIONS
 
 
-def shipped_fmus() -> Mapping[str, str]:
-    """Description of each FMU that ships, by the name of its block, in the order of the manifest."""
+def shipped_fmus(fmi_version: int | None = None) -> Mapping[str, str]:
+    """Description of each FMU that ships, by the name of its block, in the order of the manifest.
+
+    Parameters
+    ----------
+    fmi_version : {2, 3}, optional
+        Only those that there are for this version of the standard.
+    """
     listed = tomllib.loads(resource("fmu", "manifest.toml").read_text(encoding="utf-8"))["fmu"]
-    return {one["block"]: one["description"] for one in listed}
+    chosen = (one for one in listed if fmi_version is None or fmi_version in one.get("fmi", FMI_VERSIONS))
+    return {one["block"]: one["description"] for one in chosen}
 
 
 def shipped_block(name: str) -> Block:

@@ -79,16 +79,18 @@ def model_structure(block: Block, variables: Sequence[ScalarVariable], fmi_versi
     symbols = _knowns(block, variables)
     running = RunningDependencies(block, symbols.keys() - (parameters if fmi_version == 2 else set()))
     initially = InitialDependencies(block)
+    clocks = {one.name: index for index, one in rows.items() if one.type == "Clock"}
 
-    def unknown(index: int, kinds: Mapping[sp.Symbol, str]) -> Unknown:
+    def unknown(index: int, kinds: Mapping[sp.Symbol, str], ticks: bool = True) -> Unknown:
         by_index = {symbols[one]: kind if rows[index].type == "Real" else "dependent" for one, kind in kinds.items()}
+        by_index |= {clocks[name]: "dependent" for name in rows[index].clocks if ticks}
         order = sorted(by_index)
         return Unknown(index, tuple(order), tuple(by_index[one] for one in order))
 
     return ModelStructure(
         tuple(unknown(index, running(expressions[index])) for index in outputs),
         tuple(unknown(index, running(expressions[index])) for index in derivatives),
-        tuple(unknown(index, initially(expressions[index])) for index in sorted(initial)),
+        tuple(unknown(index, initially(expressions[index]), ticks=False) for index in sorted(initial)),
         tuple(unknown(index, running(indicators[index])) for index in sorted(indicators)),
     )
 

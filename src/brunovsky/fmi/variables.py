@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from brunovsky.blocks import TIME, Block, Input, Mode, Output, Parameter, Variable
+from brunovsky.blocks import TIME, Block, Input, Mode, Output, Parameter, State, Variable
 from brunovsky.blocks.units import derivative_unit
 from brunovsky.errors import ModelError
+from brunovsky.fmi.clocking import clocks_by_name
+from brunovsky.fmi.indicators import indicators
 
 STEP_SIZE = 1e-3
 """Default of ``step_size``, s; the same number is in the runtime."""
 
 MIN_STEP_SIZE = 1e-9
+_KINDS = ("parameters", "inputs", "outputs", "states", "samples", "modes")
 SOLVERS = {"RK4": "classical Runge-Kutta, fixed step", "DormandPrince": "5(4), step by tolerance, events located"}
 
 
@@ -31,17 +35,24 @@ class ScalarVariable:
     causality, variability, initial : str
         As in the standard; ``initial`` is empty where it has none.
     type : str
-        ``"Real"``, ``"Integer"``, ``"Boolean"`` or ``"Enumeration"``.
+        ``"Real"``, ``"Integer"``, ``"Boolean"``, ``"Enumeration"`` or ``"Clock"``.
     start : float, optional
         For inputs and parameters.
     minimum, maximum : float, optional
         Range, where it is finite.
+    nominal : float
+        Magnitude that is typical of it, in its unit.
     expression : sympy.Basic, optional
-        What an output or a derivative is calculated from; the symbol itself where the variable is one.
+        What an output, a derivative or an event indicator is calculated from; the symbol itself where the variable is
+        one; the period of a clock.
     derivative_of : str
         For a derivative the name of its state.
     reinit : bool
         Whether a transition resets the state.
+    indicator : bool
+        Whether it is an event indicator (a variable of its own in FMI 3).
+    clocks : tuple of str
+        Clocks at whose ticks alone the variable changes (FMI 3).
     """
 
     name: str
@@ -55,26 +66,33 @@ class ScalarVariable:
     start: float | None = None
     minimum: float | None = None
     maximum: float | None = None
+    nominal: float = 1.0
     expression: sp.Basic | None = None
     derivative_of: str = ""
     reinit: bool = False
+    indicator: bool = False
+    clocks: tuple[str, ...] = ()
 
 
-def scalar_variables(block: Block) -> tuple[ScalarVariable, ...]:
+def scalar_variables(block: Block, fmi_version: int = 2) -> tuple[ScalarVariable, ...]:
     """Table of all variables of the FMU of a block, in the order of their value references.
 
-    An output that is a state, sample or mode of the same name appears once, as the output.
+    An output that is a state, sample or mode of the same name appears once, as the output. Event indicators and
+    clocks are variables in FMI 3 only; their value references come last, so that all others are those of FMI 2.
+
+    Parameters
+    ----------
+    block : Block
+        Any block or diagram.
+    fmi_version : int
+        2 or 3.
 
     Raises
     ------
     ModelError
         If the block uses a name that every FMU has: ``step_size``, ``solver``.
     """
-    base = 3
-    offsets = {}
-    for key in ("parameters", "inputs", "outputs", "states", "samples", "modes"):
-        offsets[key] = base
-        base += len(getattr(block, key))
+    offsets = reference_offsets(block)
     shown = {one.name for one in block.outputs}
     reset = {target for one in block.transitions for target in one.assign}
     table = [*_common(block)]
@@ -85,20 +103,49 @@ def scalar_variables(block: Block) -> tuple[ScalarVariable, ...]:
         for i, one in enumerate(getattr(block, key)):
             if one.name not in shown:
                 table.append(_carrier(block, one, offsets[key] + i, reset))
-    for i, one in enumerate(block.states):
-        unit = derivative_unit(one.unit, 1)
-        table.append(
-            ScalarVariable(
-                f"der({one.name})",
-                base + i,
-                unit=unit,
-                description=f"time derivative of {one.name}",
-                expression=one.derivative,
-                derivative_of=one.name,
-            )
-        )
+    table += [_derivative(one, offsets["derivatives"] + i) for i, one in enumerate(block.states)]
     _check_names(block)
+    if fmi_version == 2:
+        return tuple(table)
+    table += [
+        ScalarVariable(
+            one.name,
+            offsets["indicators"] + i,
+            unit=one.unit,
+            description=one.description,
+            expression=one.expression,
+            indicator=True,
+        )
+        for i, one in enumerate(indicators(block))
+    ]
+    clocks = clocks_by_name(block)
+    table = [_clocked(one, clocks) for one in table]
+    table += [
+        ScalarVariable(
+            one.name,
+            offsets["clocks"] + i,
+            "input",
+            "discrete",
+            initial="",
+            type="Clock",
+            unit="s",
+            description=one.description or one.name,
+            expression=one.period,
+        )
+        for i, one in enumerate(block.clocks)
+    ]
     return tuple(table)
+
+
+def reference_offsets(block: Block) -> dict[str, int]:
+    """First value reference of each kind of variable, and as ``"end"`` that after the last one; as in the runtime."""
+    counts = [(key, len(getattr(block, key))) for key in _KINDS]
+    counts += [("derivatives", len(block.states)), ("indicators", len(block.indicators)), ("clocks", len(block.clocks))]
+    offsets, base = {}, 3
+    for key, count in counts:
+        offsets[key] = base
+        base += count
+    return offsets | {"end": base}
 
 
 def _check_names(block: Block) -> None:
@@ -141,7 +188,7 @@ def _output(block: Block, one: Output, reference: int, reset: set[sp.Symbol]) ->
     row = replace(_described(one, reference), causality="output", expression=one.expression)
     if carrier is not None and carrier.name == one.name:
         same = _carrier(block, carrier, reference, reset)
-        return replace(row, type=same.type, variability=same.variability, reinit=same.reinit)
+        return replace(row, type=same.type, variability=same.variability, reinit=same.reinit, nominal=same.nominal)
     if one.is_boolean:
         return replace(row, type="Boolean", variability="discrete")
     if isinstance(carrier, Mode):
@@ -153,10 +200,26 @@ def _output(block: Block, one: Output, reference: int, reset: set[sp.Symbol]) ->
 
 def _carrier(block: Block, one: Variable, reference: int, reset: set[sp.Symbol]) -> ScalarVariable:
     row = replace(_described(one, reference), expression=one.symbol)
-    if one in block.states:
+    if isinstance(one, State):
         return replace(row, reinit=one.symbol in reset)
     return replace(row, variability="discrete", type="Integer" if isinstance(one, Mode) else "Real")
 
 
+def _derivative(one: State, reference: int) -> ScalarVariable:
+    return ScalarVariable(
+        f"der({one.name})",
+        reference,
+        unit=derivative_unit(one.unit, 1),
+        description=f"time derivative of {one.name}",
+        expression=one.derivative,
+        derivative_of=one.name,
+    )
+
+
+def _clocked(one: ScalarVariable, clocks: Mapping[str, tuple[str, ...]]) -> ScalarVariable:
+    return replace(one, clocks=clocks[one.name], variability="discrete") if one.name in clocks else one
+
+
 def _described(one: Variable, reference: int) -> ScalarVariable:
-    return ScalarVariable(one.name, reference, unit=one.unit, description=one.description or one.name)
+    nominal = one.nominal if isinstance(one, Input | State | Output) else 1.0
+    return ScalarVariable(one.name, reference, unit=one.unit, description=one.description or one.name, nominal=nominal)

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Sequence
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
-from sympy.printing.codeprinter import PrintMethodNotImplementedError
 
 from brunovsky.blocks import TIME, Block, Relation, Variable
 
@@ -24,9 +23,9 @@ _PARAMETER_ARGUMENTS = "const double *p"
 class _Printer(C99CodePrinter):  # type: ignore[misc]
     """C99 with the block's symbols as array elements, and whole powers up to 4 as products."""
 
-    def __init__(self, names: dict[sp.Symbol, str]) -> None:
+    def __init__(self, names: dict[sp.Symbol, str], missing: str = "") -> None:
         super().__init__({"precision": 17, "math_macros": {}})  # C99 has no M_PI
-        self._names = names
+        self._names, self._missing = names, missing
 
     def _print_Symbol(self, expr: sp.Symbol) -> str:
         return self._names.get(expr, str(expr.name))
@@ -37,6 +36,9 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
             product = "*".join([self.parenthesize(base, sp.printing.precedence.PRECEDENCE["Pow"])] * abs(exponent))
             return f"({product})" if exponent > 0 else f"(1.0/({product}))"
         return str(super()._print_Pow(expr))
+
+    def _print_not_supported(self, expr: sp.Basic) -> str:
+        return self._missing or str(super()._print_not_supported(expr))
 
     def _print_NumberSymbol(self, expr: sp.NumberSymbol) -> str:
         return repr(float(expr))
@@ -54,9 +56,9 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
 
 
 class BlockText:
-    """Prints the functions of one block."""
+    """Prints the functions of one block; ``missing`` stands for what C has no function for, an error without it."""
 
-    def __init__(self, block: Block) -> None:
+    def __init__(self, block: Block, missing: str = "") -> None:
         names = {TIME: "t"}
         groups: tuple[tuple[str, Sequence[Variable | Relation]], ...] = (
             ("x", block.states),
@@ -68,15 +70,7 @@ class BlockText:
         )
         for letter, group in groups:
             names |= {one.symbol: f"{letter}[{index}]" for index, one in enumerate(group)}
-        self._printer = _Printer(names)
-
-    def prints(self, expression: sp.Basic) -> bool:
-        """Whether C has all functions of an expression."""
-        try:
-            self._printer.doprint(expression)
-        except PrintMethodNotImplementedError:
-            return False
-        return True
+        self._printer = _Printer(names, missing)
 
     def assignments(self, targets: Sequence[str], expressions: Sequence[sp.Basic]) -> list[str]:
         """Statements that compute the expressions, common subexpressions first."""
@@ -90,6 +84,14 @@ class BlockText:
         """Pure function that writes the expressions to the array ``out``."""
         targets = [f"{out}[{index}]" for index in range(len(expressions))]
         return _function(f"void {name}({arguments}, double *{out})", self.assignments(targets, expressions))
+
+    def program(self, header: str, statements: Iterable[tuple[sp.Symbol | str, sp.Basic]]) -> str:
+        """Function that makes assignments one after the other: symbols are declared, texts assigned to."""
+        lines = [
+            f"{'const double ' if isinstance(target, sp.Symbol) else ''}{target} = {self._printer.doprint(value)};"
+            for target, value in statements
+        ]
+        return _function(header, lines)
 
     def checks(self, name: str, conditions: Sequence[tuple[int, str, sp.Basic]], arguments: str) -> str:
         """Function that returns the index of the first condition that does not hold, or -1."""
@@ -211,6 +213,9 @@ def _tables(block: Block) -> list[str]:
     def numbers(kind: str, name: str, items: Iterable[float]) -> str:
         return f"static const {kind} {name}[] = {{{', '.join([*map(_number, items), '0'])}}};"
 
+    fixed = {one.symbol: index for index, one in enumerate(block.parameters)}
+    values = {one.symbol: sp.Float(one.value) for one in block.parameters}
+    clocks = {one.name: index for index, one in enumerate(block.clocks)}
     return [
         strings("p_names", (one.name for one in block.parameters)),
         strings("u_names", (one.name for one in block.inputs)),
@@ -225,6 +230,11 @@ def _tables(block: Block) -> list[str]:
         numbers("double", "u_default", (one.start for one in block.inputs)),
         numbers("int", "m_start", (one.start for one in block.modes)),
         numbers("int", "q_rank", (one.rank for one in block.samples)),
+        strings("k_names", (one.name for one in block.clocks)),
+        numbers("int", "k_parameter", (fixed.get(one.period, -1) for one in block.clocks)),
+        numbers("double", "k_period", (float(one.period.xreplace(values)) for one in block.clocks)),
+        numbers("int", "q_clock", (clocks.get(one.clock, -1) for one in block.samples)),
+        numbers("double", "x_nominal", (one.nominal for one in block.states)),
     ]
 
 
@@ -244,8 +254,10 @@ def _model(block: Block) -> str:
         "ny": block.outputs,
         "nz": block.indicators,
         "transitions": block.transitions,
+        "nk": block.clocks,
     }
     tables = "p_names u_names x_names q_names y_names p_default p_min p_max u_default m_start q_rank check_names"
+    tables += " k_names k_parameter k_period q_clock x_nominal"
     functions = "start periods derivatives outputs indicators relations updates fire start_check failure_check"
     names = f"{tables} check_messages {functions}".split()
     fields = [f".name = {_quoted(block.name)}"]

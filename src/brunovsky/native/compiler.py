@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
 import os
 import shlex
@@ -18,7 +19,13 @@ from brunovsky.errors import CompilerError
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 """File name ending of shared libraries on this machine."""
 
-_FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared")
+_FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden")
+
+
+def cache_folder() -> Path:
+    """Folder of what was compiled: ``$BRUNOVSKY_CACHE``, else the user's cache folder."""
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(os.environ.get("BRUNOVSKY_CACHE") or Path(base) / "brunovsky")
 
 
 def find_compiler() -> tuple[str, ...]:
@@ -61,6 +68,10 @@ def compile_library(
 ) -> None:
     """Compile C sources to one shared library for this machine.
 
+    The object file of each source is kept in the cache, so that the runtime, which is the same for all blocks, is
+    compiled once. It is found again by the compiler, its flags, and the content of the source and of the headers
+    (``*.h``) beside it and in `include`; a source must not include any other file of its own.
+
     Parameters
     ----------
     sources : sequence of Path
@@ -77,26 +88,41 @@ def compile_library(
     CompilerError
         If there is no compiler or it fails; the message has its command and what it printed.
     """
-    command = find_compiler()
-    flags = [*_FLAGS, *(() if sys.platform == "win32" else ("-fPIC",))]
+    command = [*find_compiler(), *_FLAGS, *(() if sys.platform == "win32" else ("-fPIC",))]
     if "ziglang" in command:
-        flags.append("-fno-sanitize=all")
+        command.append("-fno-sanitize=all")
+    macros = [f"-D{name}={value}" for name, value in (defines or {}).items()]
     with tempfile.TemporaryDirectory(dir=output.parent) as folder:
         fresh = Path(folder) / output.name
-        line = [
-            *command,
-            *flags,
-            *(f"-I{path}" for path in include),
-            *(f"-D{name}={value}" for name, value in (defines or {}).items()),
-            "-o",
-            str(fresh),
-            *map(str, sources),
-            "-lm",
-        ]
-        try:
-            done = subprocess.run(line, capture_output=True, text=True, check=False)
-        except OSError as error:
-            raise CompilerError(f"the C compiler could not be started: {error}") from None
-        if done.returncode:
-            raise CompilerError(f"the C compiler failed: {shlex.join(line)}\n{done.stderr.strip()}")
+        objects = [_object(source, [*command, *macros], include, Path(folder)) for source in sources]
+        _compile([*command, "-shared", "-o", str(fresh), *map(str, objects), "-lm"])
         os.replace(fresh, output)
+
+
+def _object(source: Path, command: Sequence[str], include: Sequence[Path], folder: Path) -> Path:
+    """Object file of a source: the cache's, or compiled in the folder and kept."""
+    digest = hashlib.sha256("\0".join((*command, compiler_version(find_compiler()))).encode())
+    headers = [header for place in (source.parent, *include) for header in sorted(place.glob("*.h"))]
+    for path in (source, *headers):
+        digest.update(f"\0{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+    kept = cache_folder() / "objects" / f"{source.stem}-{digest.hexdigest()[:32]}.o"
+    if kept.exists():
+        return kept
+    fresh = folder / f"{source.stem}.o"
+    _compile([*command, *(f"-I{path}" for path in include), "-c", "-o", str(fresh), str(source)])
+    try:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=kept.parent) as beside:
+            os.replace(shutil.copy(fresh, beside), kept)
+    except OSError:  # a cache that can't be written costs time only
+        return fresh
+    return kept
+
+
+def _compile(line: Sequence[str]) -> None:
+    try:
+        done = subprocess.run(line, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise CompilerError(f"the C compiler could not be started: {error}") from None
+    if done.returncode:
+        raise CompilerError(f"the C compiler failed: {shlex.join(line)}\n{done.stderr.strip()}")

@@ -12,17 +12,11 @@ from pathlib import Path
 from brunovsky._resources import runtime_folder
 from brunovsky.blocks import Block
 from brunovsky.native.code import model_source
-from brunovsky.native.compiler import SUFFIX, compile_library, compiler_version, find_compiler
+from brunovsky.native.compiler import SUFFIX, cache_folder, compile_library, compiler_version, find_compiler
 
-ENGINE_SOURCES = ("engine.c", "rk4.c", "dormand_prince.c")
+ENGINE_SOURCES = ("engine.c", "inputs.c", "rk4.c", "dormand_prince.c")
 ENGINE_HEADERS = ("model.h", "engine.h", "solver.h")
 """C files of the runtime that run a block; its generated ``model.c`` goes with them."""
-
-
-def cache_folder() -> Path:
-    """Folder of compiled blocks: ``$BRUNOVSKY_CACHE``, else the user's cache folder."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(os.environ.get("BRUNOVSKY_CACHE") or Path(base) / "brunovsky")
 
 
 def build_library(block: Block) -> Path:

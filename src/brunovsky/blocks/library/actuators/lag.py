@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.linearized import command, start_parameter
-from brunovsky.blocks.variables import Check, Input, Output, Parameter, State, Variable
+from brunovsky.blocks.variables import Check, Input, Output, Parameter, State, Variable, described
 from brunovsky.errors import ModelError, ParameterError
 
 
@@ -65,11 +66,11 @@ def actuator_lags(
                 derivative = (last - _stage(one, stage, number).symbol) / constants[-1].symbol
                 states.append(_state(_stage(one, stage, number), derivative, starts[-1].symbol))
                 last = states[-1].symbol
-        outputs.append(Output(one.name, one.unit, f"{one.description}, as it acts", last))
+        outputs.append(Output(**described(one) | {"description": f"{one.description}, as it acts"}, expression=last))
     return Block(
         name,
         f"actuators with {'a first-order lag' if number == 1 else f'{number} equal first-order lags in series'}",
-        inputs=tuple(Input(other.name, other.unit, other.description) for other in map(command, actuators)),
+        inputs=tuple(Input(**described(other)) for other in map(command, actuators)),
         parameters=(*starts, *constants),
         states=tuple(states),
         outputs=tuple(outputs),
@@ -85,8 +86,10 @@ def _stage(one: Variable, stage: int, number: int) -> Variable:
     if stage == number:
         return one
     stem, bracket, indices = one.name.partition("[")
-    return Variable(f"{stem}_stage{stage}{bracket}{indices}", one.unit, f"{one.description}, after lag {stage}")
+    return dataclasses.replace(
+        one, name=f"{stem}_stage{stage}{bracket}{indices}", description=f"{one.description}, after lag {stage}"
+    )
 
 
 def _state(one: Variable, derivative: sp.Expr, start: sp.Expr) -> State:
-    return State(one.name, one.unit, one.description, derivative, start)
+    return State(**described(one), derivative=derivative, start=start)

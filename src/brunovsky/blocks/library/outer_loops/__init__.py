@@ -4,6 +4,7 @@ from brunovsky.blocks.library.outer_loops.disturbance_observer import disturbanc
 from brunovsky.blocks.library.outer_loops.integral_sliding_mode import integral_sliding_mode
 from brunovsky.blocks.library.outer_loops.pole_placement import pole_placement
 from brunovsky.blocks.library.outer_loops.sliding_mode import sliding_mode
+from brunovsky.blocks.library.outer_loops.sliding_mode_clocked import sliding_mode_clocked
 from brunovsky.blocks.library.outer_loops.sliding_mode_relay import sliding_mode_relay
 from brunovsky.blocks.library.outer_loops.sliding_mode_sampled import sliding_mode_sampled
 from brunovsky.blocks.library.outer_loops.super_twisting import super_twisting
@@ -16,6 +17,7 @@ __all__ = [
     "pole_placement",
     "saturation",
     "sliding_mode",
+    "sliding_mode_clocked",
     "sliding_mode_relay",
     "sliding_mode_sampled",
     "super_twisting",

@@ -13,7 +13,7 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import Chains
 from brunovsky.blocks.library.gains import Gains
 from brunovsky.blocks.library.outer_loops.surface_map import PERIOD, SurfaceMap, mean_rate, references_ahead
-from brunovsky.blocks.variables import Input, Output, Parameter, Sample
+from brunovsky.blocks.variables import Clock, Input, Output, Parameter, Sample
 from brunovsky.errors import ParameterError
 
 
@@ -34,10 +34,13 @@ def sampling_period(period: float, law: str) -> Parameter:
     return dataclasses.replace(PERIOD, value=float(period))
 
 
-def warned(block: Block) -> Block:
-    """The block, with a warning for each check of its defaults that explains failures without refusing them."""
+def warned(block: Block, *, depth: int = 3) -> Block:
+    """The block, with a warning for each check of its defaults that explains failures without refusing them.
+
+    ``depth`` leads from here to who called for the block.
+    """
     for check in block.failed_checks(block.parameter_values(), "failure"):
-        warnings.warn(f"{block.name}: {check.message}", stacklevel=3)
+        warnings.warn(f"{block.name}: {check.message}", stacklevel=depth)
     return block
 
 
@@ -48,15 +51,29 @@ def sampled_inputs(chains: Chains, *, preview: bool) -> tuple[Input, ...]:
 
 
 def held_law(
-    chains: Chains, reaching: Mapping[int, sp.Expr], c: Gains, surface_map: SurfaceMap, *, preview: bool
+    chains: Chains,
+    reaching: Mapping[int, sp.Expr],
+    c: Gains,
+    surface_map: SurfaceMap,
+    *,
+    preview: bool,
+    clock: Clock | None = None,
 ) -> tuple[tuple[Sample, ...], tuple[Output, ...]]:
-    """Samples and outputs ``v[i]`` for which (S_i+ - S_i)/h is as given."""
+    """Samples and outputs ``v[i]`` for which (S_i+ - S_i)/h is as given; samples of the clock where there is one."""
     law = {}
     for i, wanted in reaching.items():
         rest, gain = mean_rate(chains, i, c[i], surface_map, preview=preview)
         law[i] = (wanted - rest) / gain
     computed = chains.outer_inputs(law)
     samples = tuple(
-        Sample(one.name, one.unit, f"{one.description}, held", one.expression, period=PERIOD.symbol) for one in computed
+        Sample(
+            one.name,
+            one.unit,
+            f"{one.description}, held",
+            one.expression,
+            period=PERIOD.symbol,
+            clock=clock.name if clock else "",
+        )
+        for one in computed
     )
     return samples, tuple(dataclasses.replace(one, expression=one.symbol) for one in computed)

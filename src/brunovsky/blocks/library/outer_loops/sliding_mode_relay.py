@@ -27,6 +27,9 @@ from brunovsky.blocks.library.outer_loops.switching import (
 )
 from brunovsky.blocks.variables import Check, Mode, Output, State, Transition, symbol
 
+LEAST_TIME = 1e-6
+"""Least time between two switches in model exchange, s; S crosses the hysteresis in 2 hysteresis/P."""
+
 
 def sliding_mode_relay(
     chains: Chains | Block = ROBOT_CHAINS,
@@ -41,10 +44,10 @@ def sliding_mode_relay(
     """Sliding-mode law with S_i' = -Q S_i - P relay_i, a relay that keeps its value for a while: finite switching.
 
     relay_i goes to 1 where S_i > ``hysteresis``, to -1 where S_i < -``hysteresis``, and keeps each value for ``dwell``
-    at least. It has an end of events, so that it runs in model exchange too, as long as one of the two is positive.
-    It does not come to rest, for P > Q ``hysteresis``: S cycles between +- ``hysteresis``, or further where the dwell
-    time is what holds it, with the period of :func:`brunovsky.analysis.relay_cycle`; with fixed steps it switches up to
-    one step late.
+    at least. It has an end of events and runs in model exchange too, where 2 ``hysteresis``/P, the time in which S
+    crosses the hysteresis, or ``dwell`` is a microsecond at least. It does not come to rest, for P > Q ``hysteresis``:
+    S cycles between +- ``hysteresis``, or further where the dwell time is what holds it, with the period of
+    :func:`brunovsky.analysis.relay_cycle`; with fixed steps it switches up to one step late.
 
     Conditions: as for :func:`sliding_mode`: a stable surface, c_r != 0, and P above abs(c_r) times the disturbance at
     the level of v. The relay starts at 1 and switches at once where S_i < -``hysteresis`` at the start.
@@ -150,9 +153,11 @@ def _endless_checks(band: Gains, dwell: Gains, p: Gains) -> tuple[Check, ...]:
     return tuple(
         Check(
             "sign function",
-            sp.Or(width.symbol > 0, time.symbol > 0, sp.Eq(gain.symbol, 0)),
-            f"{width.name} = 0 with {time.name} = 0 (sign function) has no end of events in model exchange; set one "
-            f"of them > 0, or {gain.name} = 0, or use co-simulation, which samples it once an internal step",
+            sp.Or(time.symbol >= LEAST_TIME, 2 * width.symbol >= LEAST_TIME * gain.symbol, sp.Eq(gain.symbol, 0)),
+            f"{width.name} and {time.name} let the relay switch more than once in {LEAST_TIME:g} s (as the sign "
+            f"function does, with both at 0), which has no end of events in model exchange; raise {width.name} to "
+            f"{gain.name} {LEAST_TIME / 2:g} s at least, or {time.name} to {LEAST_TIME:g} s, or set {gain.name} = 0, "
+            "or use co-simulation, which samples it once an internal step",
             when="model exchange",
         )
         for (width,), (time,), (gain,) in dict.fromkeys(zip(band.rows, dwell.rows, p.rows, strict=True))

@@ -25,7 +25,7 @@ from brunovsky.blocks.library.outer_loops.switching import (
     known_option,
     with_sound_defaults,
 )
-from brunovsky.blocks.variables import Check
+from brunovsky.blocks.variables import Check, Clock
 from brunovsky.errors import ModelError
 
 Scheme = Literal["implicit", "explicit"]
@@ -103,7 +103,35 @@ def sliding_mode_sampled(
     X. Yu and G. Chen, "ZOH discretization effect on single-input sliding mode control systems with matched
     uncertainties", Automatica 45(1), 118-125, 2009, doi:10.1016/j.automatica.2008.05.028.
     """
-    name = "sliding_mode_sampled"
+    return sampled_sliding_mode(
+        "sliding_mode_sampled",
+        chains,
+        surface,
+        Q=Q,
+        P=P,
+        period=period,
+        scheme=scheme,
+        surface_map=surface_map,
+        preview=preview,
+        disturbance=disturbance,
+    )
+
+
+def sampled_sliding_mode(
+    name: str,
+    chains: Chains | Block,
+    surface: Sequence[ArrayLike] | None,
+    *,
+    Q: ArrayLike,
+    P: ArrayLike,
+    period: float,
+    scheme: Scheme,
+    surface_map: SurfaceMap,
+    preview: bool,
+    disturbance: ArrayLike | None,
+    clock: Clock | None = None,
+) -> Block:
+    """The block of :func:`sliding_mode_sampled` under this name, its samples those of the clock if there is one."""
     chains = Chains.of(chains)
     known_option("scheme", scheme, get_args(Scheme))
     known_option("surface_map", surface_map, get_args(SurfaceMap))
@@ -124,7 +152,8 @@ def sliding_mode_sampled(
         force = gain * sp.sign(s) if scheme == "explicit" else _limited((1 - h * rate) * s / h, gain)
         return -rate * s - force
 
-    samples, held = held_law(chains, {i: reaching(i) for i in chains.numbers}, c, surface_map, preview=preview)
+    wanted = {i: reaching(i) for i in chains.numbers}
+    samples, held = held_law(chains, wanted, c, surface_map, preview=preview, clock=clock)
     linear = (
         *(() if scheme == "explicit" else period_checks(c, surface_map)),
         *period_checks(c, surface_map, q=q, when="start" if scheme == "explicit" else "failure"),
@@ -132,7 +161,7 @@ def sliding_mode_sampled(
     block = with_sound_defaults(
         Block(
             name,
-            f"sampled sliding-mode outer loop, {scheme}",
+            f"sampled sliding-mode outer loop, {scheme}" + (", on a clock" if clock else ""),
             inputs=sampled_inputs(chains, preview=preview),
             parameters=(
                 sampling_period(period, name),
@@ -144,9 +173,10 @@ def sliding_mode_sampled(
             samples=samples,
             outputs=(*held, *sliding_outputs(chains, variables)),
             checks=(*surface_checks(c), *linear, *_bound_checks(c, p, bound)),
+            clocks=(clock,) if clock else (),
         )
     )
-    return warned(block)
+    return warned(block, depth=4)
 
 
 def _limited(value: sp.Expr, limit: sp.Expr) -> sp.Expr:

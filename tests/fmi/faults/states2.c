@@ -1,0 +1,131 @@
+/* Random calls of the FMI 2.0 functions for the state of an instance. */
+#include <string.h>
+
+#include "interface2.h"
+
+enum { KEPT = 4 };
+
+/* States and bytes kept between calls, of whichever instance. */
+static struct {
+    void *state;
+    char *bytes;
+    size_t size;
+    int state_phase, state_exchange, bytes_phase, bytes_exchange;
+} kept[KEPT];
+
+int get_state(Subject *subject)
+{
+    const unsigned at = draw(KEPT);
+    int status;
+    must_fail = chance(2);
+    status = (int)fmi2GetFMUstate(subject->component, must_fail ? NULL : &kept[at].state);
+    if (status == OK) {
+        kept[at].state_phase = subject->phase;
+        kept[at].state_exchange = subject->model_exchange;
+    }
+    return status;
+}
+
+int set_state(Subject *subject)
+{
+    const unsigned at = draw(KEPT);
+    must_fail = !kept[at].state || kept[at].state_exchange != subject->model_exchange;
+    return moved(subject, fmi2SetFMUstate(subject->component, kept[at].state), kept[at].state_phase);
+}
+
+int free_state(Subject *subject)
+{
+    const unsigned at = draw(KEPT);
+    const int status = (int)fmi2FreeFMUstate(subject->component, chance(2) ? NULL : &kept[at].state);
+    EXPECT(status == OK || !subject->component, "a state is not freed");
+    return status;
+}
+
+int serialize(Subject *subject)
+{
+    const unsigned at = draw(KEPT);
+    size_t size = 0, given;
+    char *bytes;
+    int status;
+    must_fail = !kept[at].state;
+    status = (int)fmi2SerializedFMUstateSize(subject->component, kept[at].state, &size);
+    if (status != OK)
+        return status;
+    given = chance(90) ? size : draw((unsigned)size);
+    must_fail = given < size;
+    bytes = own(given);
+    subject->must_name = "fmi2SerializeFMUstate";
+    status = (int)fmi2SerializeFMUstate(subject->component, kept[at].state, bytes, given);
+    if (status != OK) {
+        disown(bytes);
+        return status;
+    }
+    disown(kept[at].bytes);
+    kept[at].bytes = bytes;
+    kept[at].size = size;
+    kept[at].bytes_phase = kept[at].state_phase;
+    kept[at].bytes_exchange = kept[at].state_exchange;
+    return status;
+}
+
+/* Copy of kept bytes, sometimes damaged: bits, mostly of the header, a zeroed or repeated stretch, another length. */
+static char *damage(const char *bytes, size_t *size)
+{
+    const size_t length = *size;
+    char *copy;
+    switch (draw(6)) {
+    case 0: *size = draw((unsigned)length); break;
+    case 1: *size = length + 1 + draw(64); break;
+    default: break;
+    }
+    copy = own(*size);
+    memset(copy, 0, *size);
+    memcpy(copy, bytes, *size < length ? *size : length);
+    if (*size == length) {
+        const unsigned first = draw(100 < length && chance(60) ? 100 : (unsigned)length);
+        copy[first] = (char)(copy[first] ^ 1 << draw(8));
+        for (unsigned i = chance(30) ? draw(8) : 0; i; i--)
+            copy[draw((unsigned)length)] = (char)draw(256);
+    }
+    must_fail |= *size != length || memcmp(copy, bytes, length) != 0;
+    return copy;
+}
+
+int deserialize(Subject *subject)
+{
+    const unsigned from = draw(KEPT), to = draw(KEPT);
+    const int null = chance(2);
+    size_t size = kept[from].size;
+    char *copy = NULL;
+    int status;
+    must_fail = !kept[from].bytes || null || kept[from].bytes_exchange != subject->model_exchange;
+    if (kept[from].bytes && !null) {
+        copy = own(size);
+        memcpy(copy, kept[from].bytes, size);
+        if (chance(50)) {
+            disown(copy);
+            copy = damage(kept[from].bytes, &size);
+        }
+    }
+    const void *before = kept[to].state;
+    status = (int)fmi2DeSerializeFMUstate(subject->component, copy, size, &kept[to].state);
+    EXPECT(status == OK || kept[to].state == before, "a refused state is there");
+    if (status == OK) {
+        kept[to].state_phase = kept[from].bytes_phase;
+        kept[to].state_exchange = kept[from].bytes_exchange;
+    }
+    disown(copy);
+    return status;
+}
+
+void forget_states(void)
+{
+    Subject any = {0};
+    subject_instantiate(&any, 0);
+    for (int i = 0; i < KEPT; i++) {
+        fmi2FreeFMUstate(any.component, &kept[i].state);
+        disown(kept[i].bytes);
+        kept[i].bytes = NULL;
+    }
+    subject_free(&any);
+}
