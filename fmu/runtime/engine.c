@@ -14,9 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_EVENT_ITERATIONS 20
 #define MAX_SUBSTEPS 1e9
-#define INSTANT_ROUNDING 1e-6 /* a sample is due this part of its period or step early, against rounding of time */
 
 static size_t doubles_saved(const Model *model)
 {
@@ -26,7 +24,8 @@ static size_t doubles_saved(const Model *model)
 Engine *engine_new(const Model *model, double step_size)
 {
     const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
-    const size_t doubles = doubles_saved(model) + (size_t)(model->nu + model->ny) + 9 * nx + 2 * nq + 1;
+    const size_t trial = 2 * (nx + (size_t)model->ny) + nq; /* of event_matters */
+    const size_t doubles = doubles_saved(model) + (size_t)(model->nu + model->ny) + 9 * nx + 2 * nq + trial + 1;
     const size_t integers = (size_t)(2 * model->nm + 3 * model->nr + model->nk) + 1;
     Engine *engine = calloc(1, sizeof *engine);
     double *store = calloc(doubles, sizeof *store);
@@ -56,7 +55,8 @@ Engine *engine_new(const Model *model, double step_size)
     engine->du = engine->previous + nq;
     engine->u_begin = engine->du + INPUT_ORDERS * model->nu;
     engine->y = engine->u_begin + model->nu;
-    engine->work = engine->y + model->ny;
+    engine->trial = engine->y + model->ny;
+    engine->work = engine->trial + trial;
     engine->due = due;
     engine->m = flags;
     engine->r = flags + 2 * model->nm;
@@ -188,160 +188,6 @@ int engine_start(Engine *engine, double start_time, int model_exchange)
     return engine_check_finite(engine);
 }
 
-static void evaluate_relations(const Engine *e, int *relations)
-{
-    memcpy(relations, e->r, (size_t)e->model->nr * sizeof *relations);
-    e->model->relations(e->time, e->x, e->u, e->p, e->q, e->m, relations);
-}
-
-int engine_relations_differ(Engine *engine)
-{
-    int *now = engine->r + 2 * engine->model->nr;
-    if (!engine->model->nr)
-        return 0;
-    evaluate_relations(engine, now);
-    return memcmp(now, engine->r, (size_t)engine->model->nr * sizeof *now) != 0;
-}
-
-void engine_relations(Engine *engine)
-{
-    if (!engine->model->nr)
-        return;
-    if (!engine->observe) {
-        engine->model->relations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m, engine->r);
-    } else if (engine_relations_differ(engine)) {
-        evaluate_relations(engine, engine->r);
-        engine->observe(engine->observer, ENGINE_SWITCHED);
-    }
-}
-
-int engine_pause(Engine *engine)
-{
-    int paused = 0;
-    engine->inputs_set = 0;
-    if (engine->pause_at_event && engine_relations_differ(engine))
-        paused = engine->event_due = 1;
-    if (engine->observe && engine->observe(engine->observer, ENGINE_STEPPED))
-        paused = 1;
-    return paused ? ENGINE_PAUSED : ENGINE_OK;
-}
-
-static int is_clocked(const Engine *engine, int sample)
-{
-    return engine->clocked && engine->model->nk && engine->model->q_clock[sample] >= 0;
-}
-
-static int ticks(const Engine *engine, int sample)
-{
-    return is_clocked(engine, sample) && engine->active[engine->model->q_clock[sample]];
-}
-
-double engine_next_sample(const Engine *engine)
-{
-    const Model *model = engine->model;
-    double next = HUGE_VAL, *period = engine->work;
-    model->periods(engine->p, period);
-    for (int i = 0; i < model->nq; i++)
-        if (!is_clocked(engine, i))
-            next = fmin(next, engine->start_time + (double)engine->due[i] * period[i]);
-    return next;
-}
-
-static int is_due(const Engine *engine, int sample, double period)
-{
-    const double instant = engine->start_time + (double)engine->due[sample] * period;
-    const double early = INSTANT_ROUNDING * fmin(period, engine->step_size);
-    return !is_clocked(engine, sample) && instant <= engine->time + early;
-}
-
-/* Samples of active clocks, and if `timed` those whose instant has come. */
-static void run_samples(Engine *engine, int timed)
-{
-    const Model *model = engine->model;
-    double *period = engine->work, *updated = period + model->nq;
-    model->periods(engine->p, period);
-    engine_relations(engine);
-    for (int rank = 0; rank < model->ranks; rank++) {
-        int changed = 0;
-        model->updates(VALUES(engine), updated);
-        for (int i = 0; i < model->nq; i++) {
-            const int due = timed && is_due(engine, i, period[i]);
-            if (model->q_rank[i] == rank && (due || ticks(engine, i))) {
-                engine->q[i] = updated[i];
-                engine->due[i] += due;
-                changed = 1;
-            }
-        }
-        if (changed)
-            engine_relations(engine);
-    }
-}
-
-static void take_back_samples(Engine *engine)
-{
-    for (int i = 0; i < engine->model->nq; i++)
-        if (ticks(engine, i))
-            engine->q[i] = engine->previous[i];
-}
-
-void engine_tick(Engine *engine, int clock, int active)
-{
-    take_back_samples(engine);
-    if (active && !engine->active[clock])
-        for (int i = 0; i < engine->model->nq; i++)
-            if (engine->model->q_clock[i] == clock)
-                engine->previous[i] = engine->q[i];
-    engine->active[clock] = active;
-}
-
-void engine_sample_clocks(Engine *engine)
-{
-    take_back_samples(engine);
-    run_samples(engine, 0);
-}
-
-static int run_transitions(Engine *engine)
-{
-    const Model *model = engine->model;
-    double *x = engine->work, *q = x + model->nx;
-    int *m = engine->m + model->nm;
-    memcpy(x, engine->x, (size_t)(model->nx + model->nq) * sizeof *x);
-    memcpy(m, engine->m, (size_t)model->nm * sizeof *m);
-    if (!model->fire(VALUES(engine), x, q, m))
-        return 0;
-    memcpy(engine->x, x, (size_t)(model->nx + model->nq) * sizeof *x);
-    memcpy(engine->m, m, (size_t)model->nm * sizeof *m);
-    if (engine->observe)
-        engine->observe(engine->observer, ENGINE_SWITCHED);
-    return 1;
-}
-
-int engine_event(Engine *engine)
-{
-    if (engine->model->nq) {
-        take_back_samples(engine);
-        run_samples(engine, 1);
-        for (int i = 0; i < engine->model->nk; i++)
-            engine->active[i] = 0;
-    }
-    return engine_settle(engine);
-}
-
-int engine_settle(Engine *engine)
-{
-    engine_relations(engine);
-    if (!engine->model->transitions)
-        return ENGINE_OK;
-    for (int i = 0; i < MAX_EVENT_ITERATIONS; i++) {
-        if (!run_transitions(engine))
-            return ENGINE_OK;
-        engine_relations(engine);
-    }
-    if (!run_transitions(engine))
-        return ENGINE_OK;
-    return engine_fail(engine, -1, "events", "do not end: transitions still fire after 20 iterations");
-}
-
 void engine_outputs(Engine *engine)
 {
     engine->model->outputs(VALUES(engine), engine->y);
@@ -394,16 +240,6 @@ static int integrate(Engine *engine, double stop)
     return engine->solver == SOLVER_RK4 ? rk4_integrate(engine, stop) : dormand_prince_integrate(engine, stop);
 }
 
-static int sample_is_due(const Engine *engine)
-{
-    const Model *model = engine->model;
-    model->periods(engine->p, engine->work);
-    for (int i = 0; i < model->nq; i++)
-        if (is_due(engine, i, engine->work[i]))
-            return 1;
-    return 0;
-}
-
 /* ENGINE_FAILED if a step of this length would not end in any time that one would wait. */
 static int check_length(Engine *engine, double length)
 {
@@ -436,7 +272,7 @@ static int try_advance(Engine *engine, double stop)
     }
     if (!engine->leave_events)
         engine_relations(engine);
-    else if (engine_relations_differ(engine) || sample_is_due(engine))
+    else if (engine_event_matters(engine) || engine_sample_is_due(engine))
         engine->event_due = 1;
     return engine_check_finite(engine);
 }

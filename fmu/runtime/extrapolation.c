@@ -1,56 +1,64 @@
 /* Time derivatives of inputs and outputs, by which a master extrapolates signals over communication steps. */
 #include <math.h>
 
-#include "instance.h"
 #include "output_derivatives.h"
+#include "variables.h"
 
-#define FIRST_PARAMETER 3 /* value reference: see description.h */
+/* Index of the variable of this kind and reference; FAILED if it is another one or the order is out of range. */
+static Result locate(Instance *instance, Kind kind, unsigned reference, int order, int highest, int *index)
+{
+    const char *what = kind == INPUT ? "input" : "output";
+    Kind found;
+    const Result result = variable_find(instance, REAL, reference, &found, index);
+    if (result != DONE)
+        return result;
+    if (found != kind)
+        return instance_report(instance, FAILED, "%s (value reference %u) is no %s", variable_name(found, *index), reference,
+                               what);
+    if (order < 1 || order > highest)
+        return instance_report(instance, FAILED, "%s has no derivative of order %d; those of an %s are 1 to %d",
+                               variable_name(found, *index), order, what, highest);
+    return DONE;
+}
 
 Result instance_admits_input_derivative(Instance *instance, unsigned reference, int order, double value)
 {
-    const Model *model = instance->engine->model;
-    const unsigned input = reference - (unsigned)(FIRST_PARAMETER + model->np); /* wraps below the first one */
-    if (input >= (unsigned)model->nu)
-        return instance_report(instance, FAILED, "only inputs have derivatives to set, and value reference %u is none", reference);
-    if (order < 1 || order > INPUT_ORDERS)
-        return instance_report(instance, FAILED, "the derivative of %s is of order %d; a step follows those from 1 to %d",
-                      model->u_names[input], order, INPUT_ORDERS);
-    if (!isfinite(value))
-        return instance_report(instance, FAILED, "the derivative of order %d of %s cannot be set to %g: it is not finite", order,
-                      model->u_names[input], value);
-    return DONE;
+    int index;
+    const Result result = locate(instance, INPUT, reference, order, INPUT_ORDERS, &index);
+    if (result == DONE && !isfinite(value))
+        return instance_report(instance, FAILED, "the derivative of order %d of %s cannot be set to %g: it is not finite",
+                               order, variable_name(INPUT, index), value);
+    return result;
 }
 
 Result instance_set_input_derivative(Instance *instance, unsigned reference, int order, double value)
 {
     const Result result = instance_admits_input_derivative(instance, reference, order, value);
-    if (result == DONE)
-        engine_set_input_derivative(instance->engine,
-                                    (int)reference - FIRST_PARAMETER - instance->engine->model->np, order, value);
+    int index;
+    if (result != DONE)
+        return result;
+    variable_locate(reference, &index);
+    engine_set_input_derivative(instance->engine, index, order, value);
     instance->output_derivatives_current = 0;
-    return result;
+    return DONE;
 }
 
 Result instance_get_output_derivative(Instance *instance, unsigned reference, int order, double *value)
 {
     const Engine *engine = instance->engine;
-    const Model *model = engine->model;
-    const unsigned output = reference - (unsigned)(FIRST_PARAMETER + model->np + model->nu);
-    const Result result = instance_get(instance, REAL, reference, value); /* relations are those of the moment now */
+    int index;
+    Result result = locate(instance, OUTPUT, reference, order, brunovsky_output_derivatives.order, &index);
+    if (result == DONE)
+        result = instance_get(instance, REAL, reference, value); /* relations are those of the moment now */
     if (result != DONE)
         return result;
-    if (output >= (unsigned)model->ny)
-        return instance_report(instance, FAILED, "only outputs have derivatives to get, and value reference %u is none", reference);
-    if (order < 1 || order > brunovsky_output_derivatives.order)
-        return instance_report(instance, FAILED, "the derivative of %s is of order %d; there are those from 1 to %d (maxOutputDerivativeOrder)",
-                      model->y_names[output], order, brunovsky_output_derivatives.order);
     if (!instance->output_derivatives_current)
         brunovsky_output_derivatives.evaluate(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m,
                                               engine->r, engine->du, instance->dy);
     instance->output_derivatives_current = 1;
-    *value = instance->dy[(order - 1) * model->ny + (int)output];
+    *value = instance->dy[(order - 1) * engine->model->ny + index];
     if (!isfinite(*value))
-        return instance_report(instance, FAILED, "%s: the derivative of order %d of %s is not finite at t = %.9g s", model->name, order,
-                      model->y_names[output], engine->time);
+        return instance_report(instance, FAILED, "%s: the derivative of order %d of %s is not finite at t = %.9g s",
+                               engine->model->name, order, variable_name(OUTPUT, index), engine->time);
     return DONE;
 }

@@ -3,7 +3,9 @@
  * The functions of a version's interface (fmi2.c, fmi3.c) check nothing themselves: they translate arguments and
  * results. An instance that refuses a call is left as it was.
  *
- * instance.c: life cycle, steps and events; variables.c: value references; sensitivity.c: derivatives; state.c: bytes.
+ * instance.c: life cycle and calculated values; variables.c: value references; stepping.c: steps and events; clocks.c;
+ * exchange.c: model exchange; listening.c: what a master is told; extrapolation.c: derivatives in time; sensitivity.c:
+ * partial derivatives; state.c: bytes.
  */
 #ifndef BRUNOVSKY_INSTANCE_H
 #define BRUNOVSKY_INSTANCE_H
@@ -130,6 +132,10 @@ Result instance_restore(Instance *instance, const void *bytes);
 Result instance_recognizes(Instance *instance, const void *bytes, size_t size);
 
 /* For the files that make up an instance. */
+/* Tells what is true at the end of initialization: nothing is known before, and modes have their start values. */
+void instance_tell_start(Instance *instance);
+/* Sides of the indicators, on which the relations now frozen were decided. */
+void instance_choose_sides(Instance *instance);
 Result instance_report(Instance *instance, Result result, const char *format, ...);
 Result instance_not_finite(Instance *instance, const char *name);
 Result instance_check_parameters(Instance *instance);

@@ -29,8 +29,17 @@ int engine_settle(Engine *engine);
 /* ENGINE_PAUSED if the communication step has to end after the internal step that is just done. */
 int engine_pause(Engine *engine);
 
+#define INSTANT_ROUNDING 1e-6 /* a sample is due this part of its period or step early, against rounding of time */
+
 /* Whether relations are not what they are frozen at. */
 int engine_relations_differ(Engine *engine);
+
+/* Whether there is an event here that changes anything: that fires a transition, or changes an output or a derivative.
+ * One that does not is over: its relations are those of the moment. */
+int engine_event_matters(Engine *engine);
+
+/* Whether the instant of a sample has come; its event has not been yet. */
+int engine_sample_is_due(const Engine *engine);
 
 /* ENGINE_FAILED, with a message; check is the index of the check that explains it, or -1. */
 int engine_fail(Engine *engine, int check, const char *variable, const char *problem);

@@ -209,6 +209,49 @@ def test_it_steps_saves_and_restores(version, kind):
             free(restored)
 
 
+@pytest.mark.parametrize(("version", "kind"), CLASSES)
+def test_it_gives_derivatives(version, kind):
+    """Directional derivatives by columns, adjoint ones by rows, and those of an output in time along the chain."""
+    with component(library.linearized_robot(), version, kind) as one:
+        _start(one)
+        outputs, inputs = ["u[2]", "der(eta[1])", "der(eta[2])"], ["v[1]", "v[2]", "d[2]"]
+        unknowns, knowns = ([one.references[name] for name in names] for names in (outputs, inputs))
+        columns = [one.getDirectionalDerivative(unknowns, knowns, list(seed)) for seed in np.eye(3)]
+        before = _values(one, *outputs)
+        write = one.setReal if version == 2 else one.setFloat64
+        step = 1e-3
+        start = _values(one, *inputs)
+        if kind == "CoSimulation":
+            write(knowns[:1], [start[0] + step])
+            moved = np.subtract(_values(one, *outputs), before) / step
+            write(knowns[:1], start[:1])
+            np.testing.assert_allclose(columns[0], moved, atol=1e-9)
+        assert columns[2] == pytest.approx([0, 0, 1]) and abs(columns[0][0]) > 0.1
+        if version == 3:
+            rows = [one.getAdjointDerivative(unknowns, knowns, list(seed)) for seed in np.eye(3)]
+            np.testing.assert_allclose(rows, np.transpose(columns), atol=1e-15)
+            assert len(one.getAdjointDerivative(unknowns, knowns[:2], [1.0, 0.0, 0.0])) == 2
+        if kind == "CoSimulation":
+            ask = one.getRealOutputDerivatives if version == 2 else one.getOutputDerivatives
+            found = list(ask([one.references["Z1[1]"]] * 2, [1, 2]))
+            assert found == pytest.approx(_values(one, "Z1[2]", "Z1[3]"))
+
+
+def test_dependencies_of_fmi_3_are_those_of_the_description():
+    kinds = ["independent", "constant", "fixed", "tunable", "discrete", "dependent"]
+    with component(library.closed_loop(), 3) as one:
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        names = {number: name for name, number in one.references.items()}
+        for unknown in (*one.model_description.outputs, *one.model_description.derivatives):
+            _, knowns, elements, found = one.getVariableDependencies(unknown.variable.valueReference)
+            expected = {
+                known.name: kind for known, kind in zip(unknown.dependencies, unknown.dependenciesKind, strict=True)
+            }
+            assert {names[known]: kinds[kind] for known, kind in zip(knowns, found, strict=True)} == expected
+            assert set(elements) <= {1}
+
+
 def test_a_discarded_step_of_fmi_3_has_its_message_without_logging():
     with component(library.linearized_robot(), 3) as one:
         one.enterInitializationMode()

@@ -24,7 +24,7 @@ def lag():
     """x' = u - x."""
     x, u = symbols("x", "u")
     return Block(
-        "lag",
+        "first_order_lag",
         inputs=(Input("u", "1", "input", 0.0),),
         states=(State("x", "1", "lagged", derivative=u - x),),
         outputs=(Output("x", "1", "lagged", x), Output("twice", "1", "twice the input", 2 * u)),
@@ -179,13 +179,13 @@ def test_derivatives_may_be_set_before_the_first_step(lag, exported):
 @pytest.mark.parametrize(
     ("values", "text"),
     [
-        ({("v[1]", 0): 1.0}, "the derivative of v[1] is of order 0; a step follows those from 1 to 3"),
-        ({("v[1]", 4): 1.0}, "the derivative of v[1] is of order 4; a step follows those from 1 to 3"),
+        ({("v[1]", 0): 1.0}, "v[1] has no derivative of order 0; those of an input are 1 to 3"),
+        ({("v[1]", 4): 1.0}, "v[1] has no derivative of order 4; those of an input are 1 to 3"),
         ({("v[2]", 2): math.nan}, "the derivative of order 2 of v[2] cannot be set to nan: it is not finite"),
         ({("v[2]", 1): math.inf}, "the derivative of order 1 of v[2] cannot be set to inf: it is not finite"),
-        ({("x", 1): 1.0}, "only inputs have derivatives to set, and value reference 16 is none"),
-        ({("time", 1): 1.0}, "only inputs have derivatives to set, and value reference 0 is none"),
-        ({("eta_min", 1): 1.0}, "only inputs have derivatives to set, and value reference 11 is none"),
+        ({("x", 1): 1.0}, "x (value reference 16) is no input"),
+        ({("time", 1): 1.0}, "time (value reference 0) is no input"),
+        ({("eta_min", 1): 1.0}, "eta_min (value reference 11) is no input"),
     ],
 )
 def test_derivatives_of_inputs_that_cannot_be_are_refused(robot, values, text):
@@ -210,12 +210,11 @@ def test_derivatives_of_outputs_that_are_not_there_are_refused(robot, zoo, expor
         reference = {name: one.valueReference for name, one in instance.variables.items()}
         refused = partial(_refused, instance)
         for order in (-1, 0, 4):
-            assert f"the derivative of x is of order {order}; there are those from 1 to 3" in refused(
-                reference["x"], order
-            )
+            text = f"x has no derivative of order {order}; those of an output are 1 to 3"
+            assert text in refused(reference["x"], order)
         assert "singular (value reference 29) is of type Boolean, not Real" in refused(reference["singular"], 1)
-        assert f"and value reference {reference['v[1]']} is none" in refused(reference["v[1]"], 1)
-        assert "and value reference 0 is none" in refused(0, 1)
+        assert "v[1] (value reference 12) is no output" in refused(reference["v[1]"], 1)
+        assert "time (value reference 0) is no output" in refused(0, 1)
         assert "there is no variable with value reference 999" in refused(999, 1)
         null = (ctypes.c_uint * 1)(16), ctypes.c_size_t(1), None, (ctypes.c_double * 1)()
         for function in ("GetRealOutputDerivatives", "SetRealInputDerivatives"):
@@ -390,3 +389,21 @@ def test_passing_derivatives_on_raises_the_order_of_a_coupling():
     for one in parts:
         one.freeInstance()
     assert found == pytest.approx([1, 2, 3, 4], abs=0.2)
+
+
+def test_fmi_3_gives_the_same_derivatives_of_outputs():
+    """Inputs are held over a step of FMI 3, so derivatives of v are 0."""
+    with br.component(library.linearized_robot(), 3) as robot:
+        robot.enterInitializationMode()
+        robot.setFloat64([robot.references[one] for one in ROBOT], list(ROBOT.values()))
+        robot.exitInitializationMode()
+        robot.setFloat64([robot.references["v[1]"], robot.references["v[2]"]], [0.5, -1.0])
+        robot.doStep(0.0, 0.3)
+        names = [low for low, _ in CHAINS] + ["Z1[3]", "Z2[3]"]
+        first = robot.getOutputDerivatives([robot.references[one] for one in names], [1] * 6)
+        chains = robot.getFloat64([robot.references[high] for _, high in CHAINS])
+        assert first == pytest.approx([*chains, 0.5, -1.0], rel=1e-13, abs=1e-13)
+        second = robot.getOutputDerivatives([robot.references[one] for one in names[-2:]], [2, 2])
+        assert second == pytest.approx([0, 0], abs=1e-13)
+        with pytest.raises(br.BrunovskyError, match=r"x has no derivative of order 4; those of an output are 1 to 3"):
+            robot.getOutputDerivatives([robot.references["x"]], [4])

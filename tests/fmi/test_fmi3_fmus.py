@@ -12,7 +12,7 @@ from fmpy.validation import validate_fmu
 
 import brunovsky as br
 from brunovsky.blocks import library
-from brunovsky.fmi import component, shipped_block, shipped_fmus
+from brunovsky.fmi import shipped_block, shipped_fmus
 
 sys.path.append(str(Path(__file__).parents[1] / "blocks"))
 from gallery_blocks import gallery_block
@@ -114,18 +114,3 @@ def test_states_that_are_an_array_are_integrated(exported: Callable) -> None:
     )
     for k in (1, 2, 3):
         np.testing.assert_allclose(found["x"][:, k - 1], native[f"x[{k}]"].values[::10], rtol=1e-12)
-
-
-def test_scheduled_execution_of_the_clocked_law_is_the_sampled_one() -> None:
-    block = library.sliding_mode_clocked()
-    inputs = {one.name: 1e-3 * (k + 1) for k, one in enumerate(block.inputs)}
-    native = br.simulate(library.sliding_mode_sampled(), 0.05, inputs=inputs)
-    with component(block, 3, "ScheduledExecution") as one:
-        one.setFloat64([one.references[name] for name in inputs], list(inputs.values()))
-        one.enterInitializationMode()
-        one.exitInitializationMode()
-        for k in range(5):
-            one.activateModelPartition(one.references["sampling"], 0.01 * k)
-            found = one.getFloat64([one.references["v[1]"], one.references["v[2]"]])
-            wanted = [float(native[name].values[10 * k]) for name in ("v[1]", "v[2]")]
-            assert found == pytest.approx(wanted, rel=1e-12)

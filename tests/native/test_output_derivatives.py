@@ -6,7 +6,9 @@ import pytest
 import sympy as sp
 
 from brunovsky.blocks import TIME, Block, Input, Output, Parameter, State, library, symbols
+from brunovsky.fmi import shipped_block, shipped_fmus
 from brunovsky.native import output_derivatives as module
+from brunovsky.native.library import ENGINE_SOURCES
 from brunovsky.native.output_derivatives import input_derivative, output_derivatives
 
 
@@ -85,7 +87,11 @@ def test_a_block_of_long_derivatives_has_fewer_orders(monkeypatch: pytest.Monkey
         assert code.operations <= max(most, whole.operations // 2)
 
 
-def test_the_simulation_is_not_compiled_with_them() -> None:
-    from brunovsky.native.library import ENGINE_SOURCES
+def test_what_ships_has_three_orders() -> None:
+    assert {name: output_derivatives(shipped_block(name)).order for name in shipped_fmus()} == dict.fromkeys(
+        shipped_fmus(), 3
+    )
 
+
+def test_the_simulation_is_not_compiled_with_them() -> None:
     assert not any("derivatives" in name for name in ENGINE_SOURCES)

@@ -130,13 +130,23 @@ class _Instance3(_Instance):
         self.instantiate(loggingOn=logging, logMessage=log, **options)  # type: ignore[attr-defined]
         self.setDebugLogging(True, ["logStatusWarning", "logStatusDiscard"])  # type: ignore[attr-defined]
 
+    # fmpy takes adjoint derivatives to be as many as the unknowns, and fails to count dependencies
+
     def getAdjointDerivative(
         self, unknowns: Sequence[int], knowns: Sequence[int], seed: Sequence[float], nSensitivity: int | None = None
     ) -> list[float]:
-        """Adjoint derivatives: one for each known, which fmpy takes to be as many as the unknowns."""
+        """Adjoint derivatives: one for each known."""
         count = len(knowns) if nSensitivity is None else nSensitivity
         found: list[float] = super().getAdjointDerivative(unknowns, knowns, seed, count)  # type: ignore[misc]
         return found
+
+    def getNumberOfVariableDependencies(self, valueReference: int) -> int:
+        """Number of dependencies of a variable."""
+        count = ctypes.c_size_t()
+        self.fmi3GetNumberOfVariableDependencies(  # type: ignore[attr-defined]
+            self.component, valueReference, ctypes.byref(count)
+        )
+        return count.value
 
 
 class FMU2SlaveComponent(_Instance2, FMU2Slave):  # type: ignore[misc]

@@ -146,6 +146,8 @@ class _Graph:
             return sp.Add(*(sp.Mul(*args[:index], rate, *args[index + 1 :]) for index, rate in moving))
         if isinstance(expression, sp.Pow) and rates[1] == 0:  # finite where the base is 0
             return args[1] * args[0] ** (args[1] - 1) * rates[0]
+        if not moving:
+            return sp.S.Zero
         places = [sp.Dummy() for _ in args]
         outer = expression.func(*places)
         return sp.Add(
@@ -197,8 +199,8 @@ def output_derivatives_source(block: Block) -> str:
     Returns
     -------
     str
-        Defines ``const OutputDerivatives brunovsky_output_derivatives`` of ``output_derivatives.h``. What C has no
-        function for (the derivative of the gamma function) is not a number.
+        Defines ``const OutputDerivatives brunovsky_output_derivatives`` of ``output_derivatives.h``. What has a
+        function that C does not have is not a number, which is refused when it is asked for.
     """
     code, count = output_derivatives(block), len(block.outputs)
     values = {

@@ -1,0 +1,117 @@
+/* Model exchange: time, states and their derivatives, indicators, for a solver outside. */
+#include "instance.h"
+
+#include <math.h>
+#include <string.h>
+
+static Result counted(Instance *instance, const char *what, size_t count, int expected)
+{
+    if (count == (size_t)expected)
+        return DONE;
+    return instance_report(instance, FAILED, "%lu %s were given or asked for, but there are %d", (unsigned long)count, what,
+                           expected);
+}
+
+Result instance_set_time(Instance *instance, double time)
+{
+    if (!isfinite(time))
+        return instance_report(instance, FAILED, "time cannot be set to %g: it is not finite", time);
+    instance->engine->time = time;
+    instance_outdate(instance);
+    return DONE;
+}
+
+Result instance_set_states(Instance *instance, const double *states, size_t count)
+{
+    Engine *engine = instance->engine;
+    const Result result = counted(instance, "continuous states", count, engine->model->nx);
+    if (result != DONE)
+        return result;
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(states[i]))
+            return instance_report(instance, FAILED, "state %s cannot be set to %g: it is not finite",
+                                   engine->model->x_names[i], states[i]);
+    if (count)
+        memcpy(engine->x, states, count * sizeof *states);
+    instance_outdate(instance);
+    return DONE;
+}
+
+Result instance_get_states(Instance *instance, double *states, size_t count)
+{
+    Result result = counted(instance, "continuous states", count, instance->engine->model->nx);
+    if (result == DONE)
+        result = instance_refresh(instance);
+    if (result == DONE && count)
+        memcpy(states, instance->engine->x, count * sizeof *states);
+    return result;
+}
+
+Result instance_get_derivatives(Instance *instance, double *values, size_t count)
+{
+    const Model *model = instance->engine->model;
+    Result result = counted(instance, "derivatives", count, model->nx);
+    if (result == DONE)
+        result = instance_refresh(instance);
+    if (result != DONE)
+        return result;
+    for (size_t i = 0; i < count; i++) {
+        values[i] = instance_derivatives(instance)[i];
+        if (!isfinite(values[i]))
+            return instance_not_finite(instance, model->x_names[i]);
+    }
+    return DONE;
+}
+
+Result instance_get_indicators(Instance *instance, double *indicators, size_t count)
+{
+    Result result = counted(instance, "event indicators", count, instance->engine->model->nz);
+    if (result == DONE)
+        result = instance_refresh(instance);
+    if (result != DONE || !count)
+        return result;
+    instance_indicators(instance);
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(instance->z[i]))
+            return instance_not_finite(instance, "an event indicator");
+        indicators[i] = instance->z[i];
+    }
+    return DONE;
+}
+
+Result instance_get_nominals(Instance *instance, double *nominals, size_t count)
+{
+    const Result result = counted(instance, "nominals of continuous states", count, instance->engine->model->nx);
+    for (size_t i = 0; result == DONE && i < count; i++)
+        nominals[i] = instance->engine->model->x_nominal[i];
+    return result;
+}
+
+Result instance_enter_continuous_time(Instance *instance)
+{
+    Result result = instance_check_parameters(instance);
+    if (result == DONE)
+        result = instance_refresh(instance);
+    if (result != DONE)
+        return result;
+    instance_choose_sides(instance);
+    instance->phase = CONTINUOUS_TIME;
+    return DONE;
+}
+
+/* An event is needed where a relation no longer is what it was frozen at: the solver may have stepped over a crossing,
+ * or started exactly on one, where an indicator has no side to come from. */
+Result instance_complete_step(Instance *instance, int *event_needed)
+{
+    const Engine *engine = instance->engine;
+    const Model *model = engine->model;
+    const size_t size = (size_t)model->nr * sizeof *instance->r;
+    memcpy(instance->r, engine->r, size);
+    model->relations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m, instance->r);
+    *event_needed = memcmp(instance->r, engine->r, size) != 0;
+    engine_indicators(instance->engine, instance->z);
+    for (int i = 0; i < model->nz; i++)
+        if (!instance->side[i])
+            instance->side[i] = (instance->z[i] > 0) - (instance->z[i] < 0);
+    return DONE;
+}

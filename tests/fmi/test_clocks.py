@@ -1,0 +1,185 @@
+"""The four forms of the sliding-mode controller, in every way that FMI 3 runs them, against their native simulation."""
+
+from ctypes import c_double, c_int, c_uint
+
+import numpy as np
+import pytest
+from masters import in_event_mode, in_model_exchange, in_scheduled_execution, initialize, read, tick, write
+
+import brunovsky as br
+from brunovsky.blocks import library
+
+PERIOD = 0.01
+TIMES = [index * PERIOD for index in range(101)]
+INPUTS = {
+    "Z1[1]": lambda t: 0.1 * np.cos(8 * t),
+    "Z1[2]": lambda t: -0.8 * np.sin(8 * t),
+    "Z1[3]": lambda t: -6.4 * np.cos(8 * t),
+    "Z2[1]": lambda t: 0.05 * np.sin(2 * t),
+    "Z2[3]": lambda t: -0.2 * np.sin(2 * t),
+    "zd3[2]": lambda t: 0.1 * t,
+}
+AT_START = {name: signal(0.0) for name, signal in INPUTS.items()}  # of the first sample, which ends initialization
+OUTPUTS = ["v[1]", "v[2]", "S[1]", "S[2]"]
+FORMS = {
+    "sliding_mode": (library.sliding_mode, {}),
+    "sliding_mode_relay": (library.sliding_mode_relay, {"dwell": 0.4551}),
+    "sliding_mode_sampled": (library.sliding_mode_sampled, {"sampling_period": 0.03}),
+    "sliding_mode_clocked": (library.sliding_mode_clocked, {"sampling_period": PERIOD}),
+}
+
+
+def _native(name: str, step_size: float = PERIOD) -> np.ndarray:
+    make, values = FORMS[name]
+    data = br.simulate(
+        make(), TIMES[-1], step_size=step_size, parameters=values, inputs=INPUTS, solver="dormand_prince"
+    )
+    return np.column_stack([data[one] for one in OUTPUTS])
+
+
+@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize("early", [False, True])
+def test_every_form_in_event_mode(name, early):
+    make, values = FORMS[name]
+    block = make()
+    clocks = [one.name for one in block.clocks]
+    with br.component(block, 3, event_mode_used=True, early_return_allowed=early) as one:
+        initialize(one, values | AT_START, solver=2 if block.states else None, tolerance=1e-6)
+        rows, events = in_event_mode(one, TIMES, INPUTS, OUTPUTS, clocks)
+    expected = _native(name)
+    assert np.ptp(expected, axis=0).min() > 1e-3
+    np.testing.assert_allclose(rows, expected, rtol=1e-12, atol=1e-12)
+    assert bool(events) == (early and name == "sliding_mode_relay")  # a dwell ends between communication points
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_every_form_without_event_mode(name):
+    """Clocks that nobody drives tick by themselves; outputs after a step show what was before the events of its end."""
+    make, values = FORMS[name]
+    block = make()
+    with br.component(block, 3) as one:
+        initialize(one, values | AT_START, solver=2 if block.states else None, tolerance=1e-6)
+        rows = []
+        for time in TIMES[:-1]:
+            write(one, {key: signal(time) for key, signal in INPUTS.items()})
+            one.doStep(time, PERIOD)
+            rows.append(read(one, OUTPUTS[:2]))
+    held = _native(name)[:-1, :2]  # what the events at the beginning of each step set holds at its end
+    if name == "sliding_mode_relay":  # but for relays whose dwell ends within a step
+        assert np.mean(np.isclose(rows, held, rtol=1e-12, atol=1e-12)) > 0.9
+    else:
+        np.testing.assert_allclose(rows, held, rtol=1e-12, atol=1e-12)
+
+
+def test_the_clocked_form_in_model_exchange():
+    with br.component(library.sliding_mode_clocked(), 3, "ModelExchange") as one:
+        initialize(one)
+        rows = in_model_exchange(one, TIMES, INPUTS, OUTPUTS, ["sampling"])
+    np.testing.assert_array_equal(rows, _native("sliding_mode_clocked"))
+
+
+def test_the_clocked_form_in_scheduled_execution():
+    with br.component(library.sliding_mode_clocked(), 3, "ScheduledExecution") as one:
+        initialize(one)
+        rows = in_scheduled_execution(one, TIMES, INPUTS, OUTPUTS, "sampling")
+    np.testing.assert_array_equal(rows, _native("sliding_mode_clocked"))
+
+
+@pytest.fixture
+def ticking():
+    with br.component(library.sliding_mode_clocked(), 3, event_mode_used=True) as one:
+        initialize(one, {"Z1[1]": 0.001})
+        yield one
+
+
+def test_between_ticks_the_law_is_held(ticking):
+    tick(ticking, ["sampling"])
+    ticking.updateDiscreteStates()
+    held = read(ticking, ["v[1]"])
+    assert held[0] != 0
+    ticking.enterStepMode()
+    write(ticking, {"Z1[1]": -0.002})
+    ticking.doStep(0.0, 0.005)
+    assert read(ticking, ["v[1]"]) == held
+    ticking.enterEventMode()
+    ticking.updateDiscreteStates()  # without a tick
+    assert read(ticking, ["v[1]"]) == held
+
+
+def test_while_a_clock_ticks_outputs_follow_the_inputs(ticking):
+    assert read(ticking, ["v[1]"]) == [0.0]
+    tick(ticking, ["sampling"])
+    assert ticking.getClock([ticking.references["sampling"]]) == [True]
+    first = read(ticking, ["v[1]"])
+    write(ticking, {"Z1[1]": 0.002})
+    second = read(ticking, ["v[1]"])
+    assert len({0.0, *first, *second}) == 3
+    write(ticking, {"Z1[1]": 0.001})
+    assert read(ticking, ["v[1]"]) == first
+    ticking.updateDiscreteStates()
+    assert read(ticking, ["v[1]"]) == first
+    assert ticking.getClock([ticking.references["sampling"]]) == [False]
+
+
+def test_a_tick_can_be_taken_back(ticking):
+    tick(ticking, ["sampling"])
+    assert read(ticking, ["v[1]"]) != [0.0]
+    tick(ticking, ["sampling"], active=False)
+    assert read(ticking, ["v[1]"]) == [0.0]
+    ticking.updateDiscreteStates()
+    assert read(ticking, ["v[1]"]) == [0.0]
+
+
+def test_a_state_saved_during_a_tick_restores_it(ticking):
+    tick(ticking, ["sampling"])
+    law = read(ticking, ["v[1]"])
+    state = ticking.getFMUState()
+    ticking.updateDiscreteStates()
+    write(ticking, {"Z1[1]": 0.003})
+    tick(ticking, ["sampling"])
+    ticking.updateDiscreteStates()
+    ticking.setFMUState(state)
+    assert ticking.getClock([ticking.references["sampling"]]) == [True]
+    ticking.updateDiscreteStates()
+    assert read(ticking, ["v[1]"]) == law
+    ticking.freeFMUState(state)
+
+
+def test_the_interval_is_that_of_the_parameter():
+    with br.component(library.sliding_mode_clocked(), 3, event_mode_used=True) as one:
+        reference, interval, qualifier = (c_uint * 1)(one.references["sampling"]), (c_double * 1)(), (c_int * 1)()
+        one.setIntervalDecimal(reference, (c_double * 1)(0.02))
+        one.enterInitializationMode()
+        one.getIntervalDecimal(reference, interval, qualifier)
+        assert interval[0] == 0.02
+        assert qualifier[0] == 1  # fmi3IntervalUnchanged: the importer sets it
+        assert read(one, ["sampling_period"]) == [0.02]
+        with pytest.raises(br.BrunovskyError, match="out of its range"):
+            one.setIntervalDecimal(reference, (c_double * 1)(-1.0))
+        one.exitInitializationMode()
+        with pytest.raises(br.BrunovskyError, match="in event mode"):
+            one.setIntervalDecimal(reference, (c_double * 1)(0.03))
+
+
+def test_scheduled_execution_goes_forward_only():
+    with br.component(library.sliding_mode_clocked(), 3, "ScheduledExecution") as one:
+        initialize(one, {"Z1[1]": 0.001}, start=1.0)
+        clock = one.references["sampling"]
+        for wrong in (0.5, float("nan"), float("inf")):
+            with pytest.raises(br.BrunovskyError, match="later"):
+                one.activateModelPartition(clock, wrong)
+        one.activateModelPartition(clock, 1.0)
+        law = read(one, ["v[1]"])
+        with pytest.raises(br.BrunovskyError, match="later"):
+            one.activateModelPartition(clock, 1.0)
+        assert read(one, ["v[1]"]) == law
+        with pytest.raises(br.BrunovskyError, match="not Clock"):
+            one.activateModelPartition(one.references["Z1[1]"], 2.0)
+        one.terminate()
+
+
+def test_clock_functions_are_refused_outside_event_mode():
+    with br.component(library.sliding_mode_clocked(), 3) as one:
+        initialize(one)
+        with pytest.raises(br.BrunovskyError, match="not allowed"):
+            tick(one, ["sampling"])
