@@ -75,8 +75,10 @@ Result differentiate_start(Instance *instance)
     differentiate_samples(one, engine);
     name = assigned_by_transition(one, engine);
     if (name)
-        return instance_report(instance, FAILED, "there are no derivatives in initialization mode: a transition of the first "
-                      "instant assigned %s; ask for them afterwards", name);
+        return instance_report(instance, FAILED,
+                               "there are no derivatives in initialization mode: a transition of the first instant "
+                               "assigned %s; ask for them afterwards",
+                               name);
     return DONE;
 }
 

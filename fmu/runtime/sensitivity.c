@@ -69,8 +69,9 @@ static Result row_of(Instance *instance, unsigned reference, int *row)
         return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
     if (kind == DERIVATIVE || (kind == OUTPUT && variable_type(kind, index) == REAL) || (kind == STATE && initial))
         return DONE;
-    return instance_report(instance, FAILED, "%s%s%s is no unknown: derivatives are of Real outputs and state derivatives%s",
-                  opening(kind), variable_name(kind, index), closing(kind), initial ? ", and of states" : "");
+    return instance_report(instance, FAILED,
+                           "%s%s%s is no unknown: derivatives are of Real outputs and state derivatives%s", opening(kind),
+                           variable_name(kind, index), closing(kind), initial ? ", and of states" : "");
 }
 
 /* Column of a known, -1 if nothing depends on it; FAILED if it is none. */
@@ -93,8 +94,10 @@ static Result column_of(Instance *instance, unsigned reference, int *column)
     else if (kind == PARAMETER)
         *column = 1 + model->nx + model->nu + index;
     else if (kind != STEP_SIZE)
-        return instance_report(instance, FAILED, "%s%s%s is no known: derivatives are with respect to time, inputs%s",
-                      opening(kind), variable_name(kind, index), closing(kind), initial ? " and parameters" : ", parameters and continuous states");
+        return instance_report(instance, FAILED,
+                               "%s%s%s is no known: derivatives are with respect to time, inputs%s", opening(kind),
+                               variable_name(kind, index), closing(kind),
+                               initial ? " and parameters" : ", parameters and continuous states");
     return DONE;
 }
 

@@ -13,7 +13,7 @@ import sympy as sp
 
 from brunovsky.blocks import Block
 from brunovsky.fmi.dependencies import InitialDependencies, Kinds, RunningDependencies
-from brunovsky.fmi.variables import ScalarVariable
+from brunovsky.fmi.variables import ScalarVariable, reference_offsets
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def model_structure(block: Block, variables: Sequence[ScalarVariable], fmi_versi
     }
     outputs = [index for index, one in rows.items() if one.causality == "output"]
     derivatives = [index for index, one in rows.items() if one.derivative_of]
-    first = indicator_reference(block)
+    first = reference_offsets(block)["indicators"]
     indicators = {
         index: block.indicators[one.reference - first]
         for index, one in rows.items()
@@ -108,12 +108,6 @@ def _behind_ticks(
             behind = _behind_ticks(block, running, one.update, one.rank)
             found |= dict.fromkeys([*running(one.update), *behind], "dependent")
     return found
-
-
-def indicator_reference(block: Block) -> int:
-    """Value reference of the first event indicator: they follow all other variables."""
-    groups = (block.parameters, block.inputs, block.outputs, block.states, block.samples, block.modes, block.states)
-    return 3 + sum(map(len, groups))
 
 
 def _knowns(block: Block, variables: Sequence[ScalarVariable]) -> dict[sp.Symbol, int]:
