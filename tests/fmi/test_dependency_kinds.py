@@ -166,6 +166,37 @@ def test_factors_change_only_when_their_kind_may(name, request, exported):
                 assert np.ptp(entry, axis=1).any(), (unknown, known)
 
 
+@pytest.mark.parametrize("name", ["robot", "loop", "zoo", "sampled_integrator", "ball_and_beam"])
+def test_factors_of_initialisation_are_the_same_from_every_start_where_they_are_constant(name, request, exported):
+    fmu = gallery_block(name)[0] if name in GALLERY else request.getfixturevalue(name)
+    fmu = fmu if hasattr(fmu, "folder") else exported(fmu)
+    rng, found = np.random.default_rng(10), []
+    with Driver(fmu.folder) as instance:
+        rows = (one.variable for one in instance.description.initialUnknowns)
+        unknowns = [one.name for one in rows if one.type == "Real"]
+        knowns = [one for one in (*instance.named("parameter"), *instance.named("input")) if one != "step_size"]
+        for _ in range(POINTS):
+            instance.done("Reset")
+            instance.done("SetupExperiment", 0, 0.0, float(rng.uniform(0, 2)), 0, 0.0)
+            instance.done("EnterInitializationMode")
+            starts = {one: float(instance.variables[one].start) for one in knowns}
+            point = {one: value * rng.uniform(0.5, 1.4) + rng.uniform(0, 0.01) for one, value in starts.items()}
+            assert instance.set(point) == OK
+            found.append(instance.jacobian(unknowns, ["time", *knowns]))
+    entries = np.array(found)
+    declared = kinds_of(fmu.block, 2, "initial_unknowns")
+    for i, unknown in enumerate(unknowns):
+        for j, known in enumerate(("time", *knowns)):
+            kind, entry = declared[unknown].get(known), entries[:, i, j]
+            assert kind in (None, "constant", "dependent")
+            assert entry.any() or kind != "constant", (unknown, known)
+            assert not entry.any() or kind, (unknown, known)
+            if kind == "constant":
+                assert np.ptp(entry) <= 1e-13 * np.abs(entry).max(), (unknown, known)
+            if kind == "dependent" and name == "robot" and known != "eta_min":
+                assert np.ptp(entry) > 0, (unknown, known)
+
+
 @pytest.mark.parametrize("name", ["robot", "loop", "zoo"])
 def test_what_is_linear_is_so_over_any_distance(name, request, exported):
     fmu = request.getfixturevalue(name)

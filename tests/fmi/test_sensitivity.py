@@ -246,3 +246,19 @@ def test_dependencies_at_run_time_are_those_of_the_model_structure(name, two_ran
             instance.initialize()
         assert instance.library.test_count_dependencies(instance.handle, 10**6, ctypes.byref(count)) != OK
         assert instance.library.test_count_dependencies(instance.handle, 1, ctypes.byref(count)) != OK
+
+
+def test_what_c_has_no_derivative_of_is_refused_where_it_acts_alone(exported):
+    x, u = symbols("x", "u")
+    block = Block(
+        "factorial",
+        inputs=(Input("u", start=2.0),),
+        states=(State("x", derivative=u, start=sp.Integer(4)),),
+        outputs=(Output("y", expression=u * sp.gamma(x)), Output("z", expression=u + x)),
+    )
+    with Driver(exported(block).folder) as instance:
+        instance.initialize()
+        assert instance.directional(["y", "z"], ["u"], [1.0]) == (OK, [6.0, 1.0])
+        assert instance.directional(["z"], ["x"], [1.0]) == (OK, [1.0])
+        assert instance.directional(["y"], ["x"], [1.0])[0] == ERROR
+        assert "the derivative of y is not finite" in instance.text
