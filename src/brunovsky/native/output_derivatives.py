@@ -199,8 +199,8 @@ def output_derivatives_source(block: Block) -> str:
     Returns
     -------
     str
-        Defines ``const OutputDerivatives brunovsky_output_derivatives`` of ``output_derivatives.h``. What has a function
-        that C does not have is not a number, which is refused when it is asked for.
+        Defines ``const OutputDerivatives brunovsky_output_derivatives`` of ``output_derivatives.h``. What has a
+        function that C does not have is not a number, which is refused when it is asked for.
     """
     text, code, count = BlockText(block), output_derivatives(block), len(block.outputs)
     values = {
