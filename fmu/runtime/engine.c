@@ -86,6 +86,8 @@ size_t engine_state_size(const Engine *engine)
 
 static void copy(char **bytes, void *values, size_t size, int restore)
 {
+    if (!size)
+        return;
     if (restore)
         memcpy(values, *bytes, size);
     else
@@ -207,17 +209,17 @@ int engine_check_finite(Engine *engine)
 {
     const Model *model = engine->model;
     char name[128];
+    int bad;
     engine_outputs(engine);
-    for (int i = 0; i < model->ny; i++)
-        if (!isfinite(engine->y[i]))
-            return engine_fail_here(engine, model->y_names[i], "is not finite");
+    bad = first_not_finite(engine->y, model->ny);
+    if (bad >= 0)
+        return engine_fail_here(engine, model->y_names[bad], "is not finite");
     engine_derivatives(engine, engine->work);
-    for (int i = 0; i < model->nx; i++)
-        if (!isfinite(engine->work[i])) {
-            snprintf(name, sizeof name, "der(%s)", model->x_names[i]);
-            return engine_fail_here(engine, name, "is not finite");
-        }
-    return ENGINE_OK;
+    bad = first_not_finite(engine->work, model->nx);
+    if (bad < 0)
+        return ENGINE_OK;
+    snprintf(name, sizeof name, "der(%s)", model->x_names[bad]);
+    return engine_fail_here(engine, name, "is not finite");
 }
 
 int engine_stage_check(const Engine *engine, double time, const double *stage)
@@ -229,6 +231,11 @@ int engine_stage_check(const Engine *engine, double time, const double *stage)
 
 int first_not_finite(const double *values, int count)
 {
+    double sum = 0;
+    for (int i = 0; i < count; i++)
+        sum += values[i] - values[i]; /* NaN unless finite: one branch for all of them */
+    if (sum == 0)
+        return -1;
     for (int i = 0; i < count; i++)
         if (!isfinite(values[i]))
             return i;
@@ -244,7 +251,7 @@ static int integrate(Engine *engine, double stop)
 static int check_length(Engine *engine, double length)
 {
     const Model *model = engine->model;
-    if (!(length / engine->step_size <= MAX_SUBSTEPS))
+    if (!(length <= MAX_SUBSTEPS * engine->step_size))
         return engine_fail(engine, -1, "step_size", "is too small: the step would take over a billion substeps");
     model->periods(engine->p, engine->work);
     for (int i = 0; i < model->nq; i++)

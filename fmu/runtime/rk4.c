@@ -52,12 +52,18 @@ static int rk4_step(Engine *engine, double h)
     return ENGINE_OK;
 }
 
+static long substeps(const Engine *engine, double length)
+{
+    if (length <= engine->step_size * (1 + STEP_ROUNDING))
+        return 1;
+    return (long)ceil(length / engine->step_size - STEP_ROUNDING);
+}
+
 int rk4_integrate(Engine *engine, double stop)
 {
     const double begin = engine->time, length = stop - begin;
-    const double needed = ceil(length / engine->step_size - STEP_ROUNDING);
-    const long count = needed < 1 ? 1 : (long)needed;
-    const double size = length / (double)count;
+    const long count = substeps(engine, length);
+    const double size = count == 1 ? length : length / (double)count;
     for (long i = 0; i < count; i++) {
         if (i && engine_event(engine) != ENGINE_OK)
             return ENGINE_FAILED;

@@ -2,16 +2,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "interface2.h"
+#include "interface.h"
 
 /* Life cycle ------------------------------------------------------------------------------------------------------- */
-
-int moved(Subject *subject, fmi2Status status, int phase)
-{
-    if (status == fmi2OK)
-        subject->phase = phase;
-    return (int)status;
-}
 
 static int set_up(Subject *subject)
 {
@@ -29,7 +22,7 @@ static int enter_initialization(Subject *subject)
 
 static int exit_initialization(Subject *subject)
 {
-    return moved(subject, fmi2ExitInitializationMode(subject->component), subject->model_exchange ? EVENT : STEP);
+    return moved(subject, fmi2ExitInitializationMode(subject->component), subject->kind == MODEL_EXCHANGE ? EVENT : STEP);
 }
 
 static int terminate(Subject *subject)
@@ -53,14 +46,6 @@ static int debug_logging(Subject *subject)
 }
 
 /* Co-simulation ---------------------------------------------------------------------------------------------------- */
-
-static double real(const Subject *subject, fmi2ValueReference reference)
-{
-    fmi2Real value = 0;
-    if (subject->component && subject->phase > INSTANTIATED)
-        EXPECT(fmi2GetReal(subject->component, &reference, 1, &value) == fmi2OK, "time and step_size can be read");
-    return value;
-}
 
 static int do_step(Subject *subject)
 {
@@ -131,6 +116,42 @@ static int integer_status(Subject *subject)
     return (int)fmi2GetIntegerStatus(subject->component, fmi2DoStepStatus, &value);
 }
 
+static int set_input_derivatives(Subject *subject)
+{
+    const unsigned count = draw(3), beyond = FIRST_INPUT + (unsigned)brunovsky_model.nu;
+    unsigned references[2];
+    fmi2Integer orders[2];
+    fmi2Real values[2];
+    const int null = chance(2) && count;
+    must_fail = null;
+    for (unsigned i = 0; i < count; i++) {
+        references[i] = chance(95) && brunovsky_model.nu ? FIRST_INPUT + draw((unsigned)brunovsky_model.nu) : draw(BEYOND);
+        orders[i] = chance(95) ? 1 : (int)draw(5) - 2;
+        values[i] = chance(95) ? uniform(-1, 1) : odd_number();
+        must_fail |= references[i] < FIRST_INPUT || references[i] >= beyond || orders[i] < 1 || !isfinite(values[i]);
+    }
+    return (int)fmi2SetRealInputDerivatives(subject->component, references, count, null ? NULL : orders, values);
+}
+
+/* A type that no variable has. */
+static int get_string(Subject *subject)
+{
+    const fmi2ValueReference reference = draw(VARIABLES);
+    fmi2String value = NULL;
+    const size_t count = draw(2);
+    must_fail = count > 0;
+    return (int)fmi2GetString(subject->component, &reference, count, &value);
+}
+
+static int set_string(Subject *subject)
+{
+    const fmi2ValueReference reference = draw(VARIABLES);
+    const fmi2String value = "text";
+    const size_t count = draw(2);
+    must_fail = count > 0;
+    return (int)fmi2SetString(subject->component, &reference, count, &value);
+}
+
 /* Model exchange --------------------------------------------------------------------------------------------------- */
 
 static int enter_event(Subject *subject)
@@ -160,78 +181,6 @@ static int new_discrete_states(Subject *subject)
     return status;
 }
 
-static int completed_step(Subject *subject)
-{
-    fmi2Boolean event = 7, stop = 7;
-    const int null = chance(2);
-    int status;
-    must_fail = null;
-    status = (int)fmi2CompletedIntegratorStep(subject->component, 1, null ? NULL : &event, &stop);
-    EXPECT(status != OK || ((event == 0 || event == 1) && stop == 0), "a completed step says %d and %d", event, stop);
-    return status;
-}
-
-static int set_time(Subject *subject)
-{
-    const double time = chance(95) ? real(subject, TIME) + uniform(0, 0.01) : odd_number();
-    must_fail = !isfinite(time);
-    return (int)fmi2SetTime(subject->component, time);
-}
-
-static int set_states(Subject *subject)
-{
-    const size_t nx = (size_t)brunovsky_model.nx, count = chance(97) ? nx : nx + draw(5);
-    double *values = own((count + 1) * sizeof *values);
-    const int null = chance(2) && count;
-    int status;
-    must_fail = count != nx || null;
-    for (size_t i = 0; i < count; i++) {
-        values[i] = chance(99) ? uniform(-2, 2) : odd_number();
-        must_fail |= !isfinite(values[i]);
-    }
-    status = (int)fmi2SetContinuousStates(subject->component, null ? NULL : values, count);
-    disown(values);
-    return status;
-}
-
-typedef fmi2Status Vector(fmi2Component, fmi2Real[], size_t);
-
-static int vector(Subject *subject, Vector *function, int expected)
-{
-    const size_t count = chance(96) ? (size_t)expected : (size_t)expected + 1 - draw(3) % (unsigned)(expected + 1);
-    double *values = own(count * sizeof *values);
-    const int null = chance(2) && count;
-    int status;
-    must_fail = count != (size_t)expected || null;
-    for (size_t i = 0; i < count; i++)
-        values[i] = NAN;
-    status = (int)function(subject->component, null ? NULL : values, count);
-    for (size_t i = 0; status <= WARNING && i < count; i++)
-        EXPECT(isfinite(values[i]), "number %d is %g", (int)i, values[i]);
-    disown(values);
-    return status;
-}
-
-static int get_states(Subject *subject)
-{
-    return vector(subject, fmi2GetContinuousStates, brunovsky_model.nx);
-}
-
-static int get_derivatives(Subject *subject)
-{
-    return vector(subject, fmi2GetDerivatives, brunovsky_model.nx);
-}
-
-static int get_indicators(Subject *subject)
-{
-    return vector(subject, fmi2GetEventIndicators, brunovsky_model.nz);
-}
-
-static int get_nominals(Subject *subject)
-{
-    return vector(subject, fmi2GetNominalsOfContinuousStates, brunovsky_model.nx);
-}
-
 /* The standard's tables of allowed calls (FMI 2.0, 3.2.3 and 4.2.4). --------------------------------------------- */
 
 #define SET (INSTANTIATED | INITIALIZATION)
@@ -245,9 +194,9 @@ const Operation operations[] = {
     {"fmi2Terminate", {STEP, EVENT | CONTINUOUS}, 1, 0, terminate},
     {"fmi2Reset", {ALWAYS, ALWAYS}, 1, 0, subject_reset},
     {"fmi2SetDebugLogging", {ALWAYS, ALWAYS}, 1, 0, debug_logging},
-    {"fmi2GetReal", READ, 20, REPEATABLE, get_REAL},
-    {"fmi2GetInteger", READ, 4, REPEATABLE, get_INTEGER},
-    {"fmi2GetBoolean", READ, 4, REPEATABLE, get_BOOLEAN},
+    {"fmi2GetReal", READ, 20, REPEATABLE, get_real},
+    {"fmi2GetInteger", READ, 4, REPEATABLE, get_integer},
+    {"fmi2GetBoolean", READ, 4, REPEATABLE, get_boolean},
     {"fmi2GetString", READ, 1, REPEATABLE, get_string},
     {"fmi2SetReal", {SET | STEP, SET | EVENT | CONTINUOUS}, 24, REPEATABLE, set_real},
     {"fmi2SetInteger", {SET | STEP, SET | EVENT}, 4, REPEATABLE, set_integer},

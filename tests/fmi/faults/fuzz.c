@@ -26,11 +26,11 @@ static const Operation *choose(const Subject *subject)
     if (chance(8))
         return &operations[draw((unsigned)operation_count)];
     for (int i = 0; i < operation_count; i++)
-        if (operations[i].phases[subject->model_exchange] & subject->phase)
+        if (operations[i].phases[subject->kind] & subject->phase)
             total += operations[i].weight;
     at = (int)draw((unsigned)total);
     for (int i = 0; i < operation_count; i++)
-        if (operations[i].phases[subject->model_exchange] & subject->phase && (at -= operations[i].weight) < 0)
+        if (operations[i].phases[subject->kind] & subject->phase && (at -= operations[i].weight) < 0)
             return &operations[i];
     return &operations[0];
 }
@@ -79,7 +79,7 @@ static void repeat(Subject *subject, const Operation *operation, const char *bef
 static void call(Subject *subject)
 {
     const Operation *operation = choose(subject);
-    const int allowed = (operation->phases[subject->model_exchange] & subject->phase) != 0;
+    const int allowed = (operation->phases[subject->kind] & subject->phase) != 0;
     char *before = NULL;
     size_t size;
     int status;
@@ -113,7 +113,7 @@ static void call_nobody(void)
     Subject nobody = {0};
     const Operation *operation = &operations[draw((unsigned)operation_count)];
     doing = operation->name;
-    nobody.phase = 1 << draw(6);
+    nobody.phase = 1 << draw(8);
     EXPECT(operation->call(&nobody) == ERROR, "no error for no instance");
 }
 
@@ -128,7 +128,7 @@ static void replace(Subject *subject)
     fail_at = chance(20) ? (int)draw(12) : -1;
     failed_allocations = 0;
     clear_log(subject);
-    subject_instantiate(subject, (int)draw(2));
+    subject_instantiate(subject, random_kind());
     EXPECT(!failed_allocations == !!subject->component, "an instance that is half there");
     check_log(subject, failed_allocations ? ERROR : OK);
     fail_at = -1;

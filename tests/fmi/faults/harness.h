@@ -1,5 +1,5 @@
 /* What the fault drivers share: random numbers, counted allocations that can be made to fail, the log of an instance,
- * and the few things that each version of the interface does for them (interface2.c).
+ * and the few things that each version of the interface does for them (interface2.c, interface3.c).
  */
 #ifndef HARNESS_H
 #define HARNESS_H
@@ -11,7 +11,8 @@ enum { OK, WARNING, DISCARD, ERROR, FATAL };
 
 typedef struct {
     void *component;
-    int model_exchange, phase; /* phase as the driver follows it: a bit of the version's own table */
+    int kind, phase;           /* the version's own: how it is used; a bit of its table, as the driver follows it */
+    int with_callbacks;        /* FMI 3: whether it was given a function for intermediate update */
     int logged[FATAL + 1];     /* messages of each status since the log was cleared */
     char message[2048];        /* the last one */
     const char *must_name;     /* what messages of errors begin with */
@@ -49,10 +50,11 @@ void check_log(const Subject *subject, int status);
 
 /* The interface of a version ------------------------------------------------------------------------------------ */
 enum { REPEATABLE = 1, ALLOCATES = 2 };
+enum { CO_SIMULATION, MODEL_EXCHANGE, EVENT_MODE, EARLY_RETURN, SCHEDULED, MOST_KINDS }; /* from the third on: FMI 3 */
 
 typedef struct {
     const char *name;
-    int phases[2];           /* where the standard allows it: in co-simulation, in model exchange */
+    int phases[MOST_KINDS];  /* where the standard allows it, for each kind of instance */
     int weight;              /* how often it is called where it is allowed */
     int flags;
     int (*call)(Subject *);  /* with random arguments; sets must_fail where they are illegal */
@@ -61,9 +63,11 @@ typedef struct {
 extern const Operation operations[];
 extern const int operation_count;
 extern int must_fail;
+int random_kind(void); /* of those that the version and the block have */
+int has_kind(int kind);
 
 /* Tries to make an instance; its component is NULL if that fails. */
-void subject_instantiate(Subject *subject, int model_exchange);
+void subject_instantiate(Subject *subject, int kind);
 void subject_misuse(Subject *subject); /* tries to make one with illegal arguments, and checks that it cannot */
 void subject_free(Subject *subject);
 int subject_reset(Subject *subject);

@@ -1,5 +1,5 @@
 /* FMI 2.0 for the fault drivers: what harness.h asks of a version. The random calls are in calls2.c. */
-#include "interface2.h"
+#include "interface.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +13,7 @@ static void logger(fmi2ComponentEnvironment environment, fmi2String name, fmi2St
     subject_log(environment, (int)status, category, message);
 }
 
-void subject_instantiate(Subject *subject, int model_exchange)
+void subject_instantiate(Subject *subject, int kind)
 {
     fmi2CallbackFunctions *callbacks = own(sizeof *callbacks);
     char *name = own(7), *token = own(strlen(brunovsky_description.token) + 1);
@@ -22,11 +22,11 @@ void subject_instantiate(Subject *subject, int model_exchange)
     callbacks->componentEnvironment = subject;
     memcpy(name, "one %d", 7);
     strcpy(token, brunovsky_description.token);
-    subject->model_exchange = model_exchange;
+    subject->kind = kind;
     subject->phase = INSTANTIATED;
     subject->must_name = "fmi2Instantiate";
     subject->component =
-        fmi2Instantiate(name, model_exchange ? fmi2ModelExchange : fmi2CoSimulation, token, NULL, callbacks, 0, chance(50));
+        fmi2Instantiate(name, kind == MODEL_EXCHANGE ? fmi2ModelExchange : fmi2CoSimulation, token, NULL, callbacks, 0, chance(50));
     disown(callbacks);
     disown(name);
     disown(token);
@@ -50,119 +50,74 @@ void subject_misuse(Subject *subject)
     check_log(subject, ERROR);
 }
 
-void subject_free(Subject *subject)
+int has_kind(int kind)
 {
-    fmi2FreeInstance(subject->component);
-    subject->component = NULL;
-    disown(subject->bytes);
-    subject->bytes = NULL;
+    return kind <= MODEL_EXCHANGE;
 }
 
-int subject_reset(Subject *subject)
+/* Copy of values in exactly as much memory as they need. */
+static int *integers(const double *values, size_t n)
 {
-    const int status = (int)fmi2Reset(subject->component);
-    if (status == OK)
-        subject->phase = INSTANTIATED;
+    int *copy = values ? own(n * sizeof *copy) : NULL;
+    for (size_t i = 0; copy && i < n; i++)
+        copy[i] = values[i] == values[i] ? (int)values[i] : 7;
+    return copy;
+}
+
+int get_values(const Subject *subject, Type type, const unsigned *references, size_t count, double *values, size_t n)
+{
+    int *copy, status;
+    (void)n; /* the same as count */
+    if (type == REAL)
+        return (int)fmi2GetReal(subject->component, references, count, values);
+    copy = integers(values, count);
+    if (type == INTEGER)
+        status = (int)fmi2GetInteger(subject->component, references, count, copy);
+    else
+        status = (int)fmi2GetBoolean(subject->component, references, count, copy);
+    for (size_t i = 0; copy && i < count; i++)
+        values[i] = copy[i];
+    disown(copy);
     return status;
 }
 
-int subject_get_state(Subject *subject, void **state)
+int set_values(const Subject *subject, Type type, const unsigned *references, size_t count, const double *values, size_t n)
 {
-    return (int)fmi2GetFMUstate(subject->component, state);
+    int *copy, status;
+    (void)n;
+    if (type == REAL)
+        return (int)fmi2SetReal(subject->component, references, count, values);
+    copy = integers(values, count);
+    if (type == INTEGER)
+        status = (int)fmi2SetInteger(subject->component, references, count, copy);
+    else
+        status = (int)fmi2SetBoolean(subject->component, references, count, copy);
+    disown(copy);
+    return status;
 }
 
-int subject_set_state(Subject *subject, void *state)
+int directional_derivative(const Subject *subject, int adjoint, const unsigned *unknowns, size_t n_unknowns,
+                           const unsigned *knowns, size_t n_knowns, const double *seed, size_t n_seed, double *values,
+                           size_t n)
 {
-    return (int)fmi2SetFMUstate(subject->component, state);
+    (void)adjoint, (void)n_seed, (void)n;
+    return (int)fmi2GetDirectionalDerivative(subject->component, unknowns, n_unknowns, knowns, n_knowns, seed, values);
 }
 
-int subject_free_state(Subject *subject, void **state)
+int output_derivatives(const Subject *subject, const unsigned *references, size_t count, const int *orders, double *values,
+                       size_t n)
 {
-    return (int)fmi2FreeFMUstate(subject->component, state);
+    (void)n;
+    return (int)fmi2GetRealOutputDerivatives(subject->component, references, count, orders, values);
 }
 
-size_t subject_serialize(Subject *subject, void *state, char **bytes)
-{
-    size_t size = 0;
-    if (fmi2SerializedFMUstateSize(subject->component, state, &size) != fmi2OK)
-        return 0;
-    *bytes = own(size);
-    if (fmi2SerializeFMUstate(subject->component, state, *bytes, size) != fmi2OK) {
-        disown(*bytes);
-        *bytes = NULL;
-    }
-    return size;
-}
-
-int subject_deserialize(Subject *subject, const char *bytes, size_t size, void **state)
-{
-    return (int)fmi2DeSerializeFMUstate(subject->component, bytes, size, state);
-}
-
-static size_t get_outputs(Subject *subject, double *found)
-{
-    size_t filled = 0;
-    for (unsigned i = 0; i < (unsigned)brunovsky_model.ny; i++) {
-        const fmi2ValueReference reference = FIRST_OUTPUT + i;
-        fmi2Real real = 0;
-        fmi2Integer integer = 0;
-        int status;
-        switch (brunovsky_description.y_types[i]) {
-        case REAL: status = (int)fmi2GetReal(subject->component, &reference, 1, &real); break;
-        case INTEGER: status = (int)fmi2GetInteger(subject->component, &reference, 1, &integer); break;
-        default: status = (int)fmi2GetBoolean(subject->component, &reference, 1, &integer); break;
-        }
-        found[filled++] = status;
-        found[filled++] = real + integer;
-    }
-    return filled;
-}
-
-int subject_settle(Subject *subject)
-{
-    double found[2 * MAX_VALUES];
-    get_outputs(subject, found);
-    return (int)found[0];
-}
-
-/* Inputs of a step of the legal run; any function of its number does. */
-static void set_inputs(Subject *subject, int step)
-{
-    for (unsigned i = 0; i < (unsigned)brunovsky_model.nu; i++) {
-        const fmi2ValueReference reference = FIRST_INPUT + i;
-        const fmi2Real value = brunovsky_model.u_default[i] + 0.1 * ((step * 7 + (int)i * 3) % 11 - 5);
-        EXPECT(fmi2SetReal(subject->component, &reference, 1, &value) == fmi2OK, "an input is refused: %s",
-               subject->message);
-    }
-}
-
-static double events(Subject *subject)
+double settle_events(Subject *subject)
 {
     fmi2EventInfo info;
     EXPECT(fmi2NewDiscreteStates(subject->component, &info) == fmi2OK, "an event fails: %s", subject->message);
     EXPECT(fmi2EnterContinuousTimeMode(subject->component) == fmi2OK, "continuous-time mode is refused: %s",
            subject->message);
     return info.nextEventTimeDefined ? info.nextEventTime : 1e9;
-}
-
-/* Explicit Euler with events after the steps. */
-static void exchange_step(Subject *subject, double time, double length, double *next)
-{
-    const size_t nx = (size_t)brunovsky_model.nx;
-    double x[MAX_VALUES], dx[MAX_VALUES];
-    fmi2Boolean event = fmi2False, stop;
-    void *c = subject->component;
-    EXPECT(fmi2GetContinuousStates(c, x, nx) == fmi2OK && fmi2GetDerivatives(c, dx, nx) == fmi2OK &&
-               fmi2SetTime(c, time + length) == fmi2OK,
-           "a legal step: %s", subject->message);
-    for (size_t i = 0; i < nx; i++)
-        x[i] += length * dx[i];
-    EXPECT(fmi2SetContinuousStates(c, x, nx) == fmi2OK && fmi2CompletedIntegratorStep(c, 1, &event, &stop) == fmi2OK,
-           "a legal step: %s", subject->message);
-    if (event || *next <= time + length) {
-        EXPECT(fmi2EnterEventMode(c) == fmi2OK, "event mode is refused: %s", subject->message);
-        *next = events(subject);
-    }
 }
 
 size_t subject_run(Subject *subject, int solver, double *found, size_t count)
@@ -181,11 +136,11 @@ size_t subject_run(Subject *subject, int solver, double *found, size_t count)
         found[0] = subject->logged[ERROR];
         return 1;
     }
-    if (subject->model_exchange)
-        next = events(subject);
+    if (subject->kind == MODEL_EXCHANGE)
+        next = settle_events(subject);
     for (int step = 0; step < 32 && filled + 2 * (size_t)brunovsky_model.ny < count; step++) {
         set_inputs(subject, step);
-        if (subject->model_exchange)
+        if (subject->kind == MODEL_EXCHANGE)
             exchange_step(subject, step * length, length, &next);
         else
             EXPECT(fmi2DoStep(c, step * length, length, 1) == fmi2OK, "a legal step: %s", subject->message);

@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-static void instantiate(Subject *subject, int model_exchange)
+static void instantiate(Subject *subject, int kind)
 {
     int k;
     doing = "instantiate";
@@ -13,14 +13,14 @@ static void instantiate(Subject *subject, int model_exchange)
         allocations = failed_allocations = 0;
         fail_at = k;
         clear_log(subject);
-        subject_instantiate(subject, model_exchange);
+        subject_instantiate(subject, kind);
         fail_at = -1;
         check_log(subject, failed_allocations ? ERROR : OK);
         EXPECT(!subject->component == !!failed_allocations, "the instance is there although allocation %d failed", k);
         EXPECT(subject->component || outstanding == 0, "%ld blocks are left after allocation %d failed", outstanding, k);
     }
     EXPECT(k > 1 && allocations == k - 1, "an instance without memory");
-    printf("%s: %d allocations each failed\n", model_exchange ? "model exchange" : "co-simulation", allocations);
+    printf("kind %d: %d allocations each failed\n", kind, allocations);
 }
 
 /* A state and its copy from bytes, both at the second attempt. */
@@ -53,9 +53,11 @@ static void states(Subject *subject, const char *phase)
 
 int main(void)
 {
-    for (int model_exchange = 0; model_exchange < 2; model_exchange++) {
+    for (int kind = 0; kind < MOST_KINDS; kind++) {
         Subject subject = {0};
-        instantiate(&subject, model_exchange);
+        if (!has_kind(kind))
+            continue;
+        instantiate(&subject, kind);
         states(&subject, "states before the run");
         allocations = 0;
         doing = "the run";

@@ -1,7 +1,7 @@
-/* Random calls of the FMI 2.0 functions for the state of an instance. */
+/* Random calls of the functions for the state of an instance. */
 #include <string.h>
 
-#include "interface2.h"
+#include "interface.h"
 
 enum { KEPT = 4 };
 
@@ -10,18 +10,24 @@ static struct {
     void *state;
     char *bytes;
     size_t size;
-    int state_phase, state_exchange, bytes_phase, bytes_exchange;
+    int state_phase, state_kind, bytes_phase, bytes_kind;
 } kept[KEPT];
+
+/* States go from instance to instance of the same family. */
+static int family(const Subject *subject)
+{
+    return subject->kind == EARLY_RETURN ? EVENT_MODE : subject->kind;
+}
 
 int get_state(Subject *subject)
 {
     const unsigned at = draw(KEPT);
     int status;
     must_fail = chance(2);
-    status = (int)fmi2GetFMUstate(subject->component, must_fail ? NULL : &kept[at].state);
+    status = (int)GetState(subject->component, must_fail ? NULL : &kept[at].state);
     if (status == OK) {
         kept[at].state_phase = subject->phase;
-        kept[at].state_exchange = subject->model_exchange;
+        kept[at].state_kind = family(subject);
     }
     return status;
 }
@@ -29,15 +35,15 @@ int get_state(Subject *subject)
 int set_state(Subject *subject)
 {
     const unsigned at = draw(KEPT);
-    must_fail = !kept[at].state || kept[at].state_exchange != subject->model_exchange;
-    return moved(subject, fmi2SetFMUstate(subject->component, kept[at].state), kept[at].state_phase);
+    must_fail = !kept[at].state || kept[at].state_kind != family(subject);
+    return moved(subject, SetState(subject->component, kept[at].state), kept[at].state_phase);
 }
 
 int free_state(Subject *subject)
 {
     const unsigned at = draw(KEPT);
-    const int status = (int)fmi2FreeFMUstate(subject->component, chance(2) ? NULL : &kept[at].state);
-    EXPECT(status == OK || !subject->component, "a state is not freed");
+    const int status = (int)FreeState(subject->component, chance(2) ? NULL : &kept[at].state);
+    EXPECT(status == OK || !subject->component || subject->phase == WITHIN_STEP, "a state is not freed");
     return status;
 }
 
@@ -48,14 +54,14 @@ int serialize(Subject *subject)
     char *bytes;
     int status;
     must_fail = !kept[at].state;
-    status = (int)fmi2SerializedFMUstateSize(subject->component, kept[at].state, &size);
+    status = (int)StateSize(subject->component, kept[at].state, &size);
     if (status != OK)
         return status;
     given = chance(90) ? size : draw((unsigned)size);
     must_fail = given < size;
     bytes = own(given);
-    subject->must_name = "fmi2SerializeFMUstate";
-    status = (int)fmi2SerializeFMUstate(subject->component, kept[at].state, bytes, given);
+    subject->must_name = QUOTE(SerializeState);
+    status = (int)SerializeState(subject->component, kept[at].state, (void *)bytes, given);
     if (status != OK) {
         disown(bytes);
         return status;
@@ -64,7 +70,7 @@ int serialize(Subject *subject)
     kept[at].bytes = bytes;
     kept[at].size = size;
     kept[at].bytes_phase = kept[at].state_phase;
-    kept[at].bytes_exchange = kept[at].state_exchange;
+    kept[at].bytes_kind = kept[at].state_kind;
     return status;
 }
 
@@ -98,7 +104,7 @@ int deserialize(Subject *subject)
     size_t size = kept[from].size;
     char *copy = NULL;
     int status;
-    must_fail = !kept[from].bytes || null || kept[from].bytes_exchange != subject->model_exchange;
+    must_fail = !kept[from].bytes || null || kept[from].bytes_kind != family(subject);
     if (kept[from].bytes && !null) {
         copy = own(size);
         memcpy(copy, kept[from].bytes, size);
@@ -108,24 +114,21 @@ int deserialize(Subject *subject)
         }
     }
     const void *before = kept[to].state;
-    status = (int)fmi2DeSerializeFMUstate(subject->component, copy, size, &kept[to].state);
+    status = (int)DeserializeState(subject->component, (void *)copy, size, &kept[to].state);
     EXPECT(status == OK || kept[to].state == before, "a refused state is there");
     if (status == OK) {
         kept[to].state_phase = kept[from].bytes_phase;
-        kept[to].state_exchange = kept[from].bytes_exchange;
+        kept[to].state_kind = kept[from].bytes_kind;
     }
     disown(copy);
     return status;
 }
 
-void forget_states(void)
+void free_kept(const Subject *subject)
 {
-    Subject any = {0};
-    subject_instantiate(&any, 0);
     for (int i = 0; i < KEPT; i++) {
-        fmi2FreeFMUstate(any.component, &kept[i].state);
+        FreeState(subject->component, &kept[i].state);
         disown(kept[i].bytes);
         kept[i].bytes = NULL;
     }
-    subject_free(&any);
 }
