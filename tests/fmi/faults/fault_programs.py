@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
-from brunovsky._resources import runtime_folder
 from brunovsky.blocks import Block
 from brunovsky.fmi.contents import fmu_files, headers_folder
 from brunovsky.native.compiler import find_compiler
@@ -17,12 +16,8 @@ SANITIZERS = ("-O0", "-fsanitize=address,undefined,float-cast-overflow", "-fno-s
 PLAIN = ("-O1",)
 _FLAGS = ("-std=c99", "-g", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off")
 _WRAPPED = [f"-Wl,--wrap={name}" for name in ("malloc", "calloc", "realloc", "free")]
+_GENERATED = ("model.c", "jacobian.c", "output_derivatives.c", "description.c")
 _MAINS = ("fuzz.c", "memory.c")
-
-
-def _is_runtime(source: Path) -> bool:
-    """Whether all blocks share this file; the others are generated from the block."""
-    return (runtime_folder() / source.name).exists()
 
 
 class Programs:
@@ -46,8 +41,7 @@ class Programs:
                 if path.startswith("sources/"):
                     (folder / Path(path).name).write_bytes(data)
             shared = self._shared(folder) if bug is None else self._planted(folder, bug)
-            own = [path for path in sorted(folder.glob("*.c")) if not _is_runtime(path)]
-            objects = [self._compile(path, folder, folder) for path in own]
+            objects = [self._compile(folder / name, folder, folder) for name in _GENERATED]
             main = self._compile(HERE / f"{program}.c", folder, folder)
             self._run([*map(str, (*objects, *shared, main)), *_WRAPPED], target, "-lm")
         return target
@@ -55,7 +49,7 @@ class Programs:
     def _shared(self, sources: Path) -> list[Path]:
         """Objects that are those of every block, by their names."""
         if not self.shared:
-            runtime = [path for path in sources.glob("*.c") if _is_runtime(path)]
+            runtime = [path for path in sources.glob("*.c") if path.name not in _GENERATED]
             drivers = [path for path in HERE.glob("*.c") if path.name not in _MAINS]
             self.shared = [self._compile(path, sources, self.folder) for path in sorted((*runtime, *drivers))]
         return self.shared
@@ -66,7 +60,7 @@ class Programs:
         places = 0
         for path in sources.glob("*.c"):
             text, count = re.subn(*bug, path.read_text())
-            if count and _is_runtime(path):
+            if count and path.name not in _GENERATED:
                 path.write_text(text)
                 objects[f"{path.stem}.o"] = self._compile(path, sources, sources)
                 places += count
