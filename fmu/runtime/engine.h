@@ -67,6 +67,7 @@ ENGINE_API double engine_next_sample(const Engine *engine); /* instant of the ne
  * engine_sample_clocks computes the samples that belong to the present inputs before that. */
 ENGINE_API void engine_tick(Engine *engine, int clock, int active);
 ENGINE_API void engine_sample_clocks(Engine *engine);
+ENGINE_API int engine_ticks(const Engine *engine, int sample); /* whether the clock of a sample ticks now */
 
 /* Derivative of an input, of order 1 to INPUT_ORDERS, where the next step begins; the others are 0. */
 ENGINE_API void engine_set_input_derivative(Engine *engine, int input, int order, double value);

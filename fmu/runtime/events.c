@@ -71,7 +71,7 @@ static int is_clocked(const Engine *engine, int sample)
     return engine->clocked && engine->model->nk && engine->model->q_clock[sample] >= 0;
 }
 
-static int ticks(const Engine *engine, int sample)
+int engine_ticks(const Engine *engine, int sample)
 {
     return is_clocked(engine, sample) && engine->active[engine->model->q_clock[sample]];
 }
@@ -106,7 +106,7 @@ static void run_samples(Engine *engine, int timed)
         model->updates(VALUES(engine), updated);
         for (int i = 0; i < model->nq; i++) {
             const int due = timed && is_due(engine, i, period[i]);
-            if (model->q_rank[i] == rank && (due || ticks(engine, i))) {
+            if (model->q_rank[i] == rank && (due || engine_ticks(engine, i))) {
                 engine->q[i] = updated[i];
                 engine->due[i] += due;
                 changed = 1;
@@ -120,7 +120,7 @@ static void run_samples(Engine *engine, int timed)
 static void take_back_samples(Engine *engine)
 {
     for (int i = 0; i < engine->model->nq; i++)
-        if (ticks(engine, i))
+        if (engine_ticks(engine, i))
             engine->q[i] = engine->previous[i];
 }
 

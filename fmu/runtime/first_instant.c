@@ -1,4 +1,5 @@
-/* Derivatives through the first instant: start values, then the updates of samples rank by rank.
+/* Derivatives through an instant: at the first one start values, then the updates of samples rank by rank; in event mode
+ * those of the clocks that tick.
  *
  * The instant is gone through again beside the engine, so that each rank is differentiated at the values that it saw,
  * and so that what transitions assign is seen.
@@ -17,7 +18,7 @@
 #define AGAIN(sensitivity, engine)                                                                                    \
     (engine)->time, (sensitivity)->x, (engine)->u, (engine)->p, (sensitivity)->q, (sensitivity)->m, (sensitivity)->r
 
-/* The samples of the first instant, each rank with the values that it saw. */
+/* The samples of the instant, each rank with the values that it saw. */
 static void differentiate_samples(Sensitivity *one, const Engine *engine)
 {
     const Model *model = engine->model;
@@ -30,7 +31,7 @@ static void differentiate_samples(Sensitivity *one, const Engine *engine)
                 one->updates[k] = one->fresh[k];
         model->updates(AGAIN(one, engine), one->q_new);
         for (int i = 0; i < model->nq; i++)
-            if (model->q_rank[i] == rank && engine->due[i] > 0)
+            if (model->q_rank[i] == rank && one->sampled[i])
                 one->q[i] = one->q_new[i];
         model->relations(engine->time, one->x, engine->u, engine->p, one->q, one->m, one->r);
     }
@@ -69,70 +70,113 @@ Result differentiate_start(Instance *instance)
     brunovsky_jacobian.differentiate_starts(engine->p, one->starts);
     model->start(engine->p, one->x, one->q);
     memcpy(one->m, model->m_start, (size_t)model->nm * sizeof *one->m);
+    for (int i = 0; i < model->nq; i++)
+        one->sampled[i] = engine->due[i] > 0;
     differentiate_samples(one, engine);
     name = assigned_by_transition(one, engine);
     if (name)
-        return instance_report(instance, FAILED, "there are no derivatives in initialization mode: a transition of the first "
-                      "instant assigned %s; ask for them afterwards", name);
+        return instance_report(instance, FAILED,
+                               "there are no derivatives in initialization mode: a transition of the first instant "
+                               "assigned %s; ask for them afterwards",
+                               name);
     return DONE;
+}
+
+int differentiate_ticks(Instance *instance)
+{
+    const Engine *engine = instance->engine;
+    const Model *model = engine->model;
+    Sensitivity *one = instance->sensitivity;
+    int ticking = 0;
+    for (int i = 0; i < model->nq; i++) {
+        one->sampled[i] = engine_ticks(engine, i);
+        one->q[i] = one->sampled[i] ? engine->previous[i] : engine->q[i];
+        ticking = ticking || one->sampled[i];
+    }
+    if (!ticking)
+        return 0;
+    memcpy(one->x, engine->x, (size_t)model->nx * sizeof *one->x);
+    memcpy(one->m, engine->m, (size_t)model->nm * sizeof *one->m);
+    differentiate_samples(one, engine);
+    return 1;
 }
 
 /* Products ---------------------------------------------------------------------------------------------------------- */
 
-void multiply(const Engine *engine, const Pattern *pattern, const double *entries, int rank, const double *in,
-                     double *out)
+static int is_taken(const Sensitivity *one, int rank, int row)
+{
+    return rank < 0 || (brunovsky_model.q_rank[row] == rank && one->sampled[row]);
+}
+
+void multiply(const Sensitivity *one, const Pattern *pattern, const double *entries, int rank, const double *in, double *out)
 {
     for (int k = 0; k < pattern->count; k++) {
         const int row = pattern->row[k];
-        if (in[pattern->column[k]] != 0 && (rank < 0 || (engine->model->q_rank[row] == rank && engine->due[row] > 0)))
+        if (in[pattern->column[k]] != 0 && is_taken(one, rank, row))
             out[row] += entries[k] * in[pattern->column[k]];
     }
 }
 
-void multiply_transposed(const Engine *engine, const Pattern *pattern, const double *entries, int rank,
-                                const double *in, double *out)
+void multiply_transposed(const Sensitivity *one, const Pattern *pattern, const double *entries, int rank,
+                         const double *in, double *out)
 {
     for (int k = 0; k < pattern->count; k++) {
         const int row = pattern->row[k];
-        if (in[row] != 0 && (rank < 0 || (engine->model->q_rank[row] == rank && engine->due[row] > 0)))
+        if (in[row] != 0 && is_taken(one, rank, row))
             out[pattern->column[k]] += entries[k] * in[row];
     }
 }
 
-/* The states and samples of the start from the parameters: they are next to each other in x_new and q_new. */
-void start_forward(const Engine *engine, Sensitivity *one)
+static double *columns_of_samples(const Sensitivity *one)
 {
-    const Model *model = engine->model;
-    const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
-    double *p = one->columns + 1 + nx + model->nu, *q = p + model->np;
-    memset(one->x_new, 0, (nx + nq) * sizeof(double));
-    multiply(engine, &brunovsky_jacobian.starts, one->starts, -1, p, one->x_new);
-    memcpy(one->columns + 1, one->x_new, nx * sizeof(double));
-    memcpy(q, one->q_new, nq * sizeof(double));
+    const Model *model = &brunovsky_model;
+    return one->columns + 1 + model->nx + model->nu + model->np;
+}
+
+void samples_forward(Sensitivity *one)
+{
+    const Model *model = &brunovsky_model;
+    double *q = columns_of_samples(one);
     for (int rank = 0; rank < model->ranks; rank++) {
-        memset(one->q_new, 0, nq * sizeof(double));
-        multiply(engine, &brunovsky_jacobian.updates, one->updates, rank, one->columns, one->q_new);
+        memset(one->q_new, 0, (size_t)model->nq * sizeof(double));
+        multiply(one, &brunovsky_jacobian.updates, one->updates, rank, one->columns, one->q_new);
         for (int i = 0; i < model->nq; i++)
-            if (model->q_rank[i] == rank && engine->due[i] > 0)
+            if (is_taken(one, rank, i))
                 q[i] = one->q_new[i];
     }
 }
 
-void start_backward(const Engine *engine, Sensitivity *one)
+void samples_backward(Sensitivity *one)
 {
-    const Model *model = engine->model;
-    const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
-    double *p = one->columns + 1 + nx + model->nu, *q = p + model->np;
+    const Model *model = &brunovsky_model;
+    double *q = columns_of_samples(one);
     for (int rank = model->ranks - 1; rank >= 0; rank--) {
-        memset(one->q_new, 0, nq * sizeof(double));
+        memset(one->q_new, 0, (size_t)model->nq * sizeof(double));
         for (int i = 0; i < model->nq; i++)
-            if (model->q_rank[i] == rank && engine->due[i] > 0) {
+            if (is_taken(one, rank, i)) {
                 one->q_new[i] = q[i];
                 q[i] = 0;
             }
-        multiply_transposed(engine, &brunovsky_jacobian.updates, one->updates, rank, one->q_new, one->columns);
+        multiply_transposed(one, &brunovsky_jacobian.updates, one->updates, rank, one->q_new, one->columns);
     }
+}
+
+/* States and samples are next to each other in x_new and q_new. */
+void start_forward(Sensitivity *one)
+{
+    const Model *model = &brunovsky_model;
+    const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
+    memset(one->x_new, 0, (nx + nq) * sizeof(double));
+    multiply(one, &brunovsky_jacobian.starts, one->starts, -1, one->columns + 1 + nx + model->nu, one->x_new);
+    memcpy(one->columns + 1, one->x_new, nx * sizeof(double));
+    memcpy(columns_of_samples(one), one->q_new, nq * sizeof(double));
+}
+
+void start_backward(Sensitivity *one)
+{
+    const Model *model = &brunovsky_model;
+    const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
     memcpy(one->x_new, one->columns + 1, nx * sizeof(double));
-    memcpy(one->q_new, q, nq * sizeof(double));
-    multiply_transposed(engine, &brunovsky_jacobian.starts, one->starts, -1, one->x_new, p);
+    memcpy(one->q_new, columns_of_samples(one), nq * sizeof(double));
+    multiply_transposed(one, &brunovsky_jacobian.starts, one->starts, -1, one->x_new, one->columns + 1 + nx + model->nu);
 }

@@ -55,6 +55,7 @@ typedef struct {
     double start, stop; /* of the experiment; HUGE_VAL if the end is open */
     int parameters_checked, started, relations_current, outputs_current, derivatives_current; /* since the last change */
     int entries_current, output_derivatives_current; /* likewise */
+    int ticking; /* with the entries: clocks tick */
     Sensitivity *sensitivity;
     int *side;          /* of each indicator at the last event: 1, -1, or 0 if it was zero */
     double *activation; /* of each clock: instant of its last activation, -HUGE_VAL before */

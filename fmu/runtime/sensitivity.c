@@ -2,7 +2,7 @@
  *
  * Both walk through the same chain. After initialization it is one product with the Jacobian of the equations. In
  * initialization mode states and samples are no knowns but functions of the others: start values, then the updates of
- * the first instant rank by rank, then the equations. Directions with factor zero are left out, so that an entry that
+ * the first instant rank by rank, then the equations. While clocks tick in event mode, their samples are such functions. Directions with factor zero are left out, so that an entry that
  * is not finite matters only where it acts.
  */
 #include "sensitivity.h"
@@ -24,7 +24,7 @@ Sensitivity *sensitivity_new(void)
     const size_t columns = 1 + nx + (size_t)(model->nu + model->np) + nq, rows = 2 * nx + ny;
     const size_t doubles =
         columns + rows + (size_t)(jacobian->equations.count + jacobian->starts.count) + 2 * updates + 2 * (nx + nq);
-    Sensitivity *one = calloc(1, sizeof *one + doubles * sizeof(double) + (2 * nm + (size_t)model->nr) * sizeof(int));
+    Sensitivity *one = calloc(1, sizeof *one + doubles * sizeof(double) + (2 * nm + (size_t)model->nr + nq) * sizeof(int));
     if (!one)
         return NULL;
     one->columns = (double *)(one + 1);
@@ -40,6 +40,7 @@ Sensitivity *sensitivity_new(void)
     one->m = (int *)(one->q_new + nq);
     one->m_new = one->m + nm;
     one->r = one->m_new + nm;
+    one->sampled = one->r + model->nr;
     return one;
 }
 
@@ -68,8 +69,9 @@ static Result row_of(Instance *instance, unsigned reference, int *row)
         return instance_report(instance, FAILED, "there is no variable with value reference %u", reference);
     if (kind == DERIVATIVE || (kind == OUTPUT && variable_type(kind, index) == REAL) || (kind == STATE && initial))
         return DONE;
-    return instance_report(instance, FAILED, "%s%s%s is no unknown: derivatives are of Real outputs and state derivatives%s",
-                  opening(kind), variable_name(kind, index), closing(kind), initial ? ", and of states" : "");
+    return instance_report(instance, FAILED,
+                           "%s%s%s is no unknown: derivatives are of Real outputs and state derivatives%s", opening(kind),
+                           variable_name(kind, index), closing(kind), initial ? ", and of states" : "");
 }
 
 /* Column of a known, -1 if nothing depends on it; FAILED if it is none. */
@@ -92,8 +94,10 @@ static Result column_of(Instance *instance, unsigned reference, int *column)
     else if (kind == PARAMETER)
         *column = 1 + model->nx + model->nu + index;
     else if (kind != STEP_SIZE)
-        return instance_report(instance, FAILED, "%s%s%s is no known: derivatives are with respect to time, inputs%s",
-                      opening(kind), variable_name(kind, index), closing(kind), initial ? " and parameters" : ", parameters and continuous states");
+        return instance_report(instance, FAILED,
+                               "%s%s%s is no known: derivatives are with respect to time, inputs%s", opening(kind),
+                               variable_name(kind, index), closing(kind),
+                               initial ? " and parameters" : ", parameters and continuous states");
     return DONE;
 }
 
@@ -108,6 +112,8 @@ static Result prepare(Instance *instance)
         result = differentiate_start(instance);
     if (result != DONE)
         return result;
+    if (!instance->entries_current && instance->phase == EVENT)
+        instance->ticking = differentiate_ticks(instance);
     if (!instance->entries_current)
         brunovsky_jacobian.differentiate_equations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m,
                                                    engine->r, instance->sensitivity->equations);
@@ -148,6 +154,12 @@ static Result spread(Instance *instance, Place *place, const unsigned *seeded, s
     return result;
 }
 
+/* Whether samples are functions of the knowns: in initialization mode, and where their clocks tick. */
+static int samples_act(const Instance *instance)
+{
+    return instance->phase == INITIALIZATION || (instance->phase == EVENT && instance->ticking);
+}
+
 static void clear(const Instance *instance)
 {
     Sensitivity *one = instance->sensitivity;
@@ -158,8 +170,7 @@ Result instance_directional(Instance *instance, const unsigned *unknowns, size_t
                             size_t n_knowns, const double *seed, double *result)
 {
     Sensitivity *one = instance->sensitivity;
-    const Engine *engine = instance->engine;
-    const Model *model = engine->model;
+    const Model *model = instance->engine->model;
     int row;
     Result status = prepare(instance);
     clear(instance);
@@ -168,8 +179,10 @@ Result instance_directional(Instance *instance, const unsigned *unknowns, size_t
     if (status != DONE)
         return status;
     if (instance->phase == INITIALIZATION)
-        start_forward(engine, one);
-    multiply(engine, &brunovsky_jacobian.equations, one->equations, -1, one->columns, one->rows);
+        start_forward(one);
+    if (samples_act(instance))
+        samples_forward(one);
+    multiply(one, &brunovsky_jacobian.equations, one->equations, -1, one->columns, one->rows);
     memcpy(one->rows + model->nx + model->ny, one->columns + 1, (size_t)model->nx * sizeof(double));
     for (size_t i = 0; i < n_unknowns && status == DONE; i++) {
         row_of(instance, unknowns[i], &row);
@@ -183,8 +196,7 @@ Result instance_adjoint(Instance *instance, const unsigned *unknowns, size_t n_u
                         size_t n_knowns, const double *seed, double *result)
 {
     Sensitivity *one = instance->sensitivity;
-    const Engine *engine = instance->engine;
-    const Model *model = engine->model;
+    const Model *model = instance->engine->model;
     int column;
     Result status = prepare(instance);
     clear(instance);
@@ -193,9 +205,11 @@ Result instance_adjoint(Instance *instance, const unsigned *unknowns, size_t n_u
     if (status != DONE)
         return status;
     memcpy(one->columns + 1, one->rows + model->nx + model->ny, (size_t)model->nx * sizeof(double));
-    multiply_transposed(engine, &brunovsky_jacobian.equations, one->equations, -1, one->rows, one->columns);
+    multiply_transposed(one, &brunovsky_jacobian.equations, one->equations, -1, one->rows, one->columns);
+    if (samples_act(instance))
+        samples_backward(one);
     if (instance->phase == INITIALIZATION)
-        start_backward(engine, one);
+        start_backward(one);
     for (size_t k = 0; k < n_knowns && status == DONE; k++) {
         column_of(instance, knowns[k], &column);
         result[k] = column < 0 ? 0 : one->columns[column];

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 import sympy as sp
-from fmpy import extract
+from fmpy import extract, read_model_description
+from fmpy.model_description import ModelDescription
+from fmpy.validation import validate_fmu
 
 from brunovsky.blocks import TIME, Block, Input, Mode, Output, Parameter, Sample, State, Transition, library, symbols
-from brunovsky.fmi import export_fmu
+from brunovsky.fmi import description2, description3, export_fmu
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,25 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Exported
         return known[name]
 
     return export
+
+
+@pytest.fixture
+def described(tmp_path: Path) -> Callable[..., ModelDescription]:
+    """Description that fmpy reads of a block, without a binary; nothing to find in it."""
+
+    def describe(block: Block, version: int = 3, **options: bool) -> ModelDescription:
+        text = (
+            description3.model_description(block, "{token}", "0", **options)
+            if version == 3
+            else description2.model_description(block, "{token}", ("model.c",), "0")
+        )
+        folder = tmp_path / f"{block.name}{version}{len(options)}"
+        folder.mkdir(exist_ok=True)
+        (folder / "modelDescription.xml").write_bytes(text)
+        assert validate_fmu(str(folder)) == []
+        return read_model_description(str(folder))
+
+    return describe
 
 
 @pytest.fixture(scope="session")

@@ -145,6 +145,32 @@ def test_a_state_saved_during_a_tick_restores_it(ticking):
     ticking.freeFMUState(state)
 
 
+def test_derivatives_of_the_law_are_those_of_the_tick(ticking):
+    law, error = [ticking.references["v[1]"]], [ticking.references[one] for one in ("Z1[1]", "Z1[3]", "zd3[1]")]
+    assert ticking.getDirectionalDerivative(law, error, [1.0, 1.0, 1.0]) == [0.0]
+    tick(ticking, ["sampling"])
+    found = ticking.getAdjointDerivative(law, error, [1.0])
+    for name, derivative, seed in zip(("Z1[1]", "Z1[3]", "zd3[1]"), found, np.eye(3), strict=True):
+        assert ticking.getDirectionalDerivative(law, error, list(seed)) == [derivative]
+        value = read(ticking, [name])[0]
+        ends = []
+        for step in (-1e-6, 1e-6):
+            write(ticking, {name: value + step})
+            ends += read(ticking, ["v[1]"])
+        write(ticking, {name: value})
+        assert derivative == pytest.approx((ends[1] - ends[0]) / 2e-6, rel=1e-6)
+    assert found[0] != 0 and found[2] == pytest.approx(1.0)
+    ticking.updateDiscreteStates()
+    assert ticking.getDirectionalDerivative(law, error, [1.0, 1.0, 1.0]) == [0.0]
+
+
+def test_the_law_depends_on_what_it_samples_and_on_the_clock(ticking):
+    structure = ticking.model_description.outputs
+    found = {one.variable.name: {known.name for known in one.dependencies} for one in structure}
+    assert {"Z1[1]", "zd3[1]", "sampling", "P", "sampling_period"} <= found["v[1]"]
+    assert not {"Z2[1]", "zd3[2]"} & found["v[1]"]
+
+
 def test_the_interval_is_that_of_the_parameter():
     with br.component(library.sliding_mode_clocked(), 3, event_mode_used=True) as one:
         reference, interval, qualifier = (c_uint * 1)(one.references["sampling"]), (c_double * 1)(), (c_int * 1)()

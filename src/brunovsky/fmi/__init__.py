@@ -1,4 +1,4 @@
-"""FMUs and in-process components of any block, and the list of FMUs that ship."""
+"""FMUs and in-process components of any block, in FMI 2.0 and 3.0, and the list of FMUs that ship."""
 
 from brunovsky.fmi.archive import export_fmu
 from brunovsky.fmi.component import component

@@ -24,8 +24,9 @@ from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
 from brunovsky.native.output_derivatives import output_derivatives_source
 
 FMI_VERSIONS = (2, 3)
-_INSTANCE = "instance variables stepping clocks exchange listening extrapolation sensitivity first_instant dependencies state fmu"
-_RUNTIME = (*ENGINE_SOURCES, *(f"{name}.c" for name in _INSTANCE.split()))
+_INSTANCE = "instance variables stepping clocks exchange listening extrapolation state fmu"
+_DERIVATIVES = "sensitivity first_instant dependencies"
+_RUNTIME = (*ENGINE_SOURCES, *(f"{name}.c" for name in f"{_INSTANCE} {_DERIVATIVES}".split()))
 _INTERFACE = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_variables.c", "fmi3_clocks.c")}
 _OWN_HEADERS = "description instance variables jacobian output_derivatives sensitivity first_instant fmu fmi3"
 _HEADERS = (*ENGINE_HEADERS, *(f"{name}.h" for name in _OWN_HEADERS.split()))

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import sympy as sp
 
 from brunovsky.blocks import Block
-from brunovsky.fmi.dependencies import InitialDependencies, RunningDependencies
-from brunovsky.fmi.variables import ScalarVariable
+from brunovsky.fmi.dependencies import InitialDependencies, Kinds, RunningDependencies
+from brunovsky.fmi.variables import ScalarVariable, reference_offsets
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def model_structure(block: Block, variables: Sequence[ScalarVariable], fmi_versi
     }
     outputs = [index for index, one in rows.items() if one.causality == "output"]
     derivatives = [index for index, one in rows.items() if one.derivative_of]
-    first = indicator_reference(block)
+    first = reference_offsets(block)["indicators"]
     indicators = {
         index: block.indicators[one.reference - first]
         for index, one in rows.items()
@@ -87,18 +87,27 @@ def model_structure(block: Block, variables: Sequence[ScalarVariable], fmi_versi
         order = sorted(by_index)
         return Unknown(index, tuple(order), tuple(by_index[one] for one in order))
 
+    def at_ticks(expression: sp.Basic) -> Kinds:
+        return running(expression) | _behind_ticks(block, running, expression)
+
     return ModelStructure(
-        tuple(unknown(index, running(expressions[index])) for index in outputs),
-        tuple(unknown(index, running(expressions[index])) for index in derivatives),
+        tuple(unknown(index, at_ticks(expressions[index])) for index in outputs),
+        tuple(unknown(index, at_ticks(expressions[index])) for index in derivatives),
         tuple(unknown(index, initially(expressions[index]), ticks=False) for index in sorted(initial)),
         tuple(unknown(index, running(indicators[index])) for index in sorted(indicators)),
     )
 
 
-def indicator_reference(block: Block) -> int:
-    """Value reference of the first event indicator: they follow all other variables."""
-    groups = (block.parameters, block.inputs, block.outputs, block.states, block.samples, block.modes, block.states)
-    return 3 + sum(map(len, groups))
+def _behind_ticks(
+    block: Block, running: RunningDependencies, expression: sp.Basic, below: float = float("inf")
+) -> Kinds:
+    """What an expression depends on while a clock ticks: what its samples of clocks are computed from."""
+    found: Kinds = {}
+    for one in block.samples:
+        if one.clock and one.rank < below and one.symbol in block.depends_on(expression):
+            behind = _behind_ticks(block, running, one.update, one.rank)
+            found |= dict.fromkeys([*running(one.update), *behind], "dependent")
+    return found
 
 
 def _knowns(block: Block, variables: Sequence[ScalarVariable]) -> dict[sp.Symbol, int]:

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Sequence
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
-from sympy.printing.codeprinter import PrintMethodNotImplementedError
 
 from brunovsky.blocks import TIME, Block, Relation, Variable
 
@@ -24,9 +23,9 @@ _PARAMETER_ARGUMENTS = "const double *p"
 class _Printer(C99CodePrinter):  # type: ignore[misc]
     """C99 with the block's symbols as array elements, and whole powers up to 4 as products."""
 
-    def __init__(self, names: dict[sp.Symbol, str]) -> None:
+    def __init__(self, names: dict[sp.Symbol, str], missing: str = "") -> None:
         super().__init__({"precision": 17, "math_macros": {}})  # C99 has no M_PI
-        self._names = names
+        self._names, self._missing = names, missing
 
     def _print_Symbol(self, expr: sp.Symbol) -> str:
         return self._names.get(expr, str(expr.name))
@@ -37,6 +36,9 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
             product = "*".join([self.parenthesize(base, sp.printing.precedence.PRECEDENCE["Pow"])] * abs(exponent))
             return f"({product})" if exponent > 0 else f"(1.0/({product}))"
         return str(super()._print_Pow(expr))
+
+    def _print_not_supported(self, expr: sp.Basic) -> str:
+        return self._missing or str(super()._print_not_supported(expr))
 
     def _print_NumberSymbol(self, expr: sp.NumberSymbol) -> str:
         return repr(float(expr))
@@ -54,9 +56,9 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
 
 
 class BlockText:
-    """Prints the functions of one block."""
+    """Prints the functions of one block; ``missing`` stands for what C has no function for, an error without it."""
 
-    def __init__(self, block: Block) -> None:
+    def __init__(self, block: Block, missing: str = "") -> None:
         names = {TIME: "t"}
         groups: tuple[tuple[str, Sequence[Variable | Relation]], ...] = (
             ("x", block.states),
@@ -68,15 +70,7 @@ class BlockText:
         )
         for letter, group in groups:
             names |= {one.symbol: f"{letter}[{index}]" for index, one in enumerate(group)}
-        self._printer = _Printer(names)
-
-    def prints(self, expression: sp.Basic) -> bool:
-        """Whether C has all functions of an expression."""
-        try:
-            self._printer.doprint(expression)
-        except PrintMethodNotImplementedError:
-            return False
-        return True
+        self._printer = _Printer(names, missing)
 
     def assignments(self, targets: Sequence[str], expressions: Sequence[sp.Basic]) -> list[str]:
         """Statements that compute the expressions, common subexpressions first."""

@@ -12,7 +12,6 @@ from functools import lru_cache
 from itertools import count
 
 import sympy as sp
-from sympy.printing.codeprinter import PrintMethodNotImplementedError
 
 from brunovsky.blocks import TIME, Block, Sample, State, Variable
 from brunovsky.native.code import BlockText
@@ -134,7 +133,7 @@ def jacobian_source(block: Block) -> str:
         Defines ``const Jacobian brunovsky_jacobian`` of ``jacobian.h``. An entry with a function that C does not have
         (the derivative of the gamma function) is not a number, which is refused where it acts.
     """
-    text, derivatives = BlockText(block), jacobian(block)
+    text, derivatives = BlockText(block, missing="NAN"), jacobian(block)
     parts = {"equations": derivatives.equations, "updates": derivatives.updates, "starts": derivatives.starts}
     lines = [
         f'/* Generated from the block "{block.name}". Do not edit. */',
@@ -149,11 +148,7 @@ def jacobian_source(block: Block) -> str:
     lines.append("")
     for name, matrix in parts.items():
         arguments = ("const double *p",) if name == "starts" else ()
-        try:
-            lines.append(text.function(f"differentiate_{name}", "entries", matrix.entries, *arguments))
-        except PrintMethodNotImplementedError:
-            entries = [one if text.prints(one) else sp.nan for one in matrix.entries]
-            lines.append(text.function(f"differentiate_{name}", "entries", entries, *arguments))
+        lines.append(text.function(f"differentiate_{name}", "entries", matrix.entries, *arguments))
         fields.append(f"    .differentiate_{name} = differentiate_{name},")
     return "\n".join([*lines, "const Jacobian brunovsky_jacobian = {", *fields, "};", ""])
 

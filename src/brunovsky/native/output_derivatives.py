@@ -199,10 +199,10 @@ def output_derivatives_source(block: Block) -> str:
     Returns
     -------
     str
-        Defines ``const OutputDerivatives brunovsky_output_derivatives`` of ``output_derivatives.h``. What has a function
-        that C does not have is not a number, which is refused when it is asked for.
+        Defines ``const OutputDerivatives brunovsky_output_derivatives`` of ``output_derivatives.h``. What has a
+        function that C does not have is not a number, which is refused when it is asked for.
     """
-    text, code, count = BlockText(block), output_derivatives(block), len(block.outputs)
+    code, count = output_derivatives(block), len(block.outputs)
     values = {
         f"dy[{row * count + column}]": value
         for row, line in enumerate(code.values)
@@ -215,10 +215,7 @@ def output_derivatives_source(block: Block) -> str:
             "#include <math.h>",
             '#include "output_derivatives.h"',
             "",
-            text.program(
-                header,
-                [(target, one if text.prints(one) else sp.nan) for target, one in (*code.statements, *values.items())],
-            ),
+            BlockText(block, missing="NAN").program(header, [*code.statements, *values.items()]),
             f"const OutputDerivatives brunovsky_output_derivatives = {{{code.order}, evaluate}};",
             "",
         ]
