@@ -133,7 +133,9 @@ BUGS = {
 """Version of FMI, pattern in the runtime, and what replaces it."""
 
 
-@pytest.mark.parametrize("bug", BUGS)
+@pytest.mark.parametrize(
+    "bug", [one if k < 3 else pytest.param(one, marks=pytest.mark.slow) for k, one in enumerate(BUGS)]
+)
 def test_a_bug_in_the_runtime_is_found(bug: str, request: pytest.FixtureRequest, sanitized: Programs) -> None:
     version, pattern, replacement = BUGS[bug]
     fmu = Fmu(_block(request, "robot_without_minimum"), 2 if version == 2 else 3, version == "arrays")
