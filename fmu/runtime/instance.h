@@ -74,6 +74,8 @@ typedef struct {
 } Event;
 
 Instance *instance_new(Interface interface); /* NULL if out of memory */
+/* Whether the master of a co-simulation uses event mode, and lets steps end early; once, after instance_new. */
+void instance_use_events(Instance *instance, int event_mode, int early_return);
 void instance_free(Instance *instance);
 void instance_reset(Instance *instance);
 /* What is told of and asked from now on. */
