@@ -165,13 +165,12 @@ static double factor(double error)
 static int differs(const Step *step, double fraction)
 {
     const Engine *e = step->engine;
-    const size_t size = (size_t)e->model->nr * sizeof *e->r;
     int *now = e->r + e->model->nr;
     interpolate(step, fraction, step->inside);
-    memcpy(now, e->r, size);
+    memcpy(now, e->r, (size_t)e->model->nr * sizeof *now);
     inputs_at(e, e->time + fraction * step->size);
     e->model->relations(e->time + fraction * step->size, step->inside, e->u, e->p, e->q, e->m, now);
-    return memcmp(now, e->r, size) != 0;
+    return memcmp(now, e->r, (size_t)e->model->acting * sizeof *now) != 0;
 }
 
 /* Part of the step just after which relations first differ from what they are frozen at, HUGE_VAL if nowhere. */
@@ -182,7 +181,7 @@ static double first_change(const Step *step)
     const double width = location / step->size;
     double before = 0, after = 0;
     size_t k = 0;
-    if (!engine->model->nr)
+    if (!engine->model->acting)
         return HUGE_VAL;
     while (k < sizeof CHECKED / sizeof *CHECKED && !differs(step, CHECKED[k]))
         before = CHECKED[k++];

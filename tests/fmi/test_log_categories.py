@@ -1,5 +1,7 @@
 """What is told by log category: the singularity, other events; switched on and off during the run."""
 
+from ctypes import c_double
+
 import pytest
 from masters import initialize, write
 
@@ -78,3 +80,33 @@ def test_a_relay_is_told_as_an_event():
         write(one, {"Z1[3]": -1.0})
         one.doStep(0.01, 0.01)
         assert ("logEvents", "relay[1] changed from 1 to -1 at t = 0.01 s") in _told(one)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_model_exchange_tells_the_singularity_at_its_event(version):
+    """The crossing is an indicator's; singular changes in event mode, and is told."""
+    with br.component(library.linearized_robot(), version, "ModelExchange", logging=True) as one:
+        if version == 2:
+            one.setupExperiment()
+            one.enterInitializationMode()
+        else:
+            one.enterInitializationMode()
+        one.exitInitializationMode()
+        update = one.newDiscreteStates if version == 2 else one.updateDiscreteStates
+        update()
+        one.enterContinuousTimeMode()
+        states, indicators = (c_double * 6)(), (c_double * 2)()
+        one.getContinuousStates(states, 6)
+        names = [state.name for state in one.block.states]
+        signs = []
+        for speed in (0.051, 0.049):
+            states[names.index("robot.eta[1]" if "robot.eta[1]" in names else "eta[1]")] = speed
+            one.setContinuousStates(states, 6)
+            one.getEventIndicators(indicators, 2)
+            signs.append([value > 0 for value in indicators])
+        assert signs == [[True, True], [False, True]]
+        needed, _ = one.completedIntegratorStep()
+        assert needed and not _told(one)
+        one.enterEventMode()
+        update()
+        assert ("logSingularity", "singular became true at t = 0 s") in _told(one)
