@@ -306,16 +306,37 @@ def _serialized(instance):
     return data.raw
 
 
-@pytest.mark.parametrize("position", [0, 20, 80, 200, -1])
-def test_a_damaged_state_is_refused(instance, position):
+@pytest.mark.parametrize(
+    ("position", "text"),
+    [
+        (0, "the state is not one of this FMU ("),  # magic
+        (20, "the state is not one of this FMU ("),  # token
+        (96, "the state is not one of this FMU ("),  # version
+        (64, "the state is damaged: its check sum does not match"),  # check sum
+        (72, "the state is damaged: it has "),  # length
+        (80, "the state is damaged: its check sum does not match"),
+        (200, "the state is damaged: its check sum does not match"),
+        (-1, "the state is damaged: its check sum does not match"),
+    ],
+)
+def test_a_damaged_state_is_refused(instance, position, text):
     instance.initialize()
     data = bytearray(_serialized(instance))
     data[position] ^= 1
     state = ctypes.c_void_p()
     assert instance.call("DeSerializeFMUstate", bytes(data), ctypes.c_size_t(len(data)), ctypes.byref(state)) == ERROR
-    assert "DeSerializeFMUstate: the state is " in instance.text
+    assert f"DeSerializeFMUstate: {text}" in instance.text
     assert state.value is None
     assert instance.step(0.0, 0.01) == OK
+
+
+@pytest.mark.parametrize("length", [0, 10, -1])
+def test_a_truncated_state_is_refused(instance, length):
+    instance.initialize()
+    data, state = _serialized(instance)[:length], ctypes.c_void_p()
+    assert instance.call("DeSerializeFMUstate", data, ctypes.c_size_t(len(data)), ctypes.byref(state)) == ERROR
+    assert "DeSerializeFMUstate: the state is " in instance.text
+    assert state.value is None
 
 
 def test_states_of_others_are_refused(instance, exchange, loop):
