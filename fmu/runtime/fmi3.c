@@ -88,8 +88,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     fmu = instantiate(__func__, CO_SIMULATION, instanceName, instantiationToken, loggingOn, instanceEnvironment, logMessage);
     if (!fmu)
         return NULL;
-    fmu->instance->event_mode = eventModeUsed;
-    fmu->instance->early_return = earlyReturnAllowed;
+    instance_agree(fmu->instance, eventModeUsed, earlyReturnAllowed);
     if (intermediateUpdate) {
         Listener listener = fmu->instance->listener;
         fmu->update = (void (*)(void))intermediateUpdate;

@@ -76,6 +76,8 @@ typedef struct {
 Instance *instance_new(Interface interface); /* NULL if out of memory */
 void instance_free(Instance *instance);
 void instance_reset(Instance *instance);
+/* For the life of an instance of co-simulation; neither before. */
+void instance_agree(Instance *instance, int event_mode, int early_return);
 /* What is told of and asked from now on. */
 void instance_listen(Instance *instance, Listener listener);
 

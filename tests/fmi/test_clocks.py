@@ -145,6 +145,24 @@ def test_a_state_saved_during_a_tick_restores_it(ticking):
     ticking.freeFMUState(state)
 
 
+def test_a_state_goes_on_in_a_fresh_instance(ticking):
+    """Between ticks the law is held there too, through instants at which the period would sample it."""
+    tick(ticking, ["sampling"])
+    ticking.updateDiscreteStates()
+    ticking.enterStepMode()
+    ticking.doStep(0.0, 0.015)
+    law, state = read(ticking, ["v[1]"]), ticking.serializeFMUState(ticking.getFMUState())
+    with br.component(library.sliding_mode_clocked(), 3, event_mode_used=True) as fresh:
+        fresh.setFMUState(fresh.deserializeFMUState(state))
+        write(fresh, {"Z1[1]": 0.01})
+        fresh.doStep(0.015, 0.05)
+        assert read(fresh, ["v[1]", "time"]) == [*law, 0.065]
+        fresh.enterEventMode()
+        tick(fresh, ["sampling"])
+        fresh.updateDiscreteStates()
+        assert read(fresh, ["v[1]"]) != law
+
+
 def test_derivatives_of_the_law_are_those_of_the_tick(ticking):
     law, error = [ticking.references["v[1]"]], [ticking.references[one] for one in ("Z1[1]", "Z1[3]", "zd3[1]")]
     assert ticking.getDirectionalDerivative(law, error, [1.0, 1.0, 1.0]) == [0.0]
