@@ -122,7 +122,9 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
 
 void fmi3FreeInstance(fmi3Instance instance)
 {
-    fmu_free(instance);
+    const Fmu *fmu = instance;
+    if (fmu && !fmu_refused(fmu, __func__, ANY_PHASE & ~INTERMEDIATE)) /* the step under way needs it */
+        fmu_free(instance);
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
