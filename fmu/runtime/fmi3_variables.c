@@ -198,11 +198,13 @@ static fmi3Status multiply(const Fmu *fmu, const char *function, Product *produc
                            size_t nUnknowns, size_t unknown_values, const fmi3ValueReference knowns[], size_t nKnowns,
                            size_t known_values, const fmi3Float64 seed[], fmi3Float64 sensitivity[])
 {
+    const int adjoint = product == instance_adjoint;
     const unsigned *rows, *columns;
     fmi3Status status;
     if (fmu_refused(fmu, function, READABLE & ~INTERMEDIATE) || fmu_missing(fmu, function, nUnknowns, unknowns, unknowns) ||
         fmu_missing(fmu, function, nKnowns, knowns, knowns) ||
-        fmu_missing(fmu, function, nKnowns && nUnknowns, seed, sensitivity) ||
+        fmu_missing(fmu, function, adjoint ? unknown_values : known_values, seed, seed) ||
+        fmu_missing(fmu, function, adjoint ? known_values : unknown_values, sensitivity, sensitivity) ||
         miscounted(fmu, function, unknowns, nUnknowns, unknown_values) ||
         miscounted(fmu, function, knowns, nKnowns, known_values))
         return fmi3Error;

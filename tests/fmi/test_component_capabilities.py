@@ -108,6 +108,22 @@ def test_it_gives_derivatives(version, kind):
             assert found == pytest.approx(_values(one, "Z1[2]", "Z1[3]"))
 
 
+@pytest.mark.parametrize("name", ["Directional", "Adjoint"])
+@pytest.mark.parametrize("unknowns", [0, 1])
+def test_derivatives_of_nothing_need_their_arrays_too(name, unknowns):
+    """An unknown without a known, or the other way round: one of seed and result has a value, but is a null pointer."""
+    with component(library.linearized_robot(), 3) as one:
+        _start(one)
+        counts = (unknowns, 1 - unknowns)
+        seeds, results = counts if name == "Adjoint" else counts[::-1]
+        references = [(ctypes.c_uint * 1)(one.references[each]) for each in ("eta[1]", "d[1]")]
+        lists = [each for pair in zip(references, map(ctypes.c_size_t, counts), strict=True) for each in pair]
+        derivative = getattr(one.dll, f"fmi3Get{name}Derivative")
+        empty = None, ctypes.c_size_t(seeds), None, ctypes.c_size_t(results)
+        assert derivative(ctypes.c_void_p(one.component), *lists, *empty) == 3
+        assert "null pointer" in str(one.messages)
+
+
 def test_dependencies_of_fmi_3_are_those_of_the_description():
     kinds = ["independent", "constant", "fixed", "tunable", "discrete", "dependent"]
     with component(library.closed_loop(), 3) as one:
