@@ -9,7 +9,7 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
-from brunovsky.blocks import library
+from brunovsky.blocks import TIME, Block, Output, library
 from brunovsky.fmi import ComponentError, component
 
 CLASSES = [(version, kind) for version in (2, 3) for kind in ("CoSimulation", "ModelExchange")]
@@ -180,3 +180,15 @@ def test_options_of_co_simulation_reach_the_fmu(ball):
             one.enterStepMode()
     assert time == pytest.approx(math.sqrt(2 / 9.81), abs=2e-3)
     assert seen and all(can for _, can in seen) and max(at for at, _ in seen) <= time
+
+
+def test_outputs_in_event_mode_are_those_of_the_time_set_there():
+    block = Block("alarm", outputs=(Output("late", expression=TIME > 1),))
+    with component(block, 2, "ModelExchange") as one:
+        one.setupExperiment()
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        late = [one.references["late"]]
+        assert one.getBoolean(late) == [0]
+        one.setTime(1.5)
+        assert one.getBoolean(late) == [1]
