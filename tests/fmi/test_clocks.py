@@ -7,7 +7,7 @@ import pytest
 from masters import in_event_mode, in_model_exchange, in_scheduled_execution, initialize, read, tick, write
 
 import brunovsky as br
-from brunovsky.blocks import library
+from brunovsky.blocks import Block, Clock, Input, Output, Sample, library, symbols
 
 PERIOD = 0.01
 TIMES = [index * PERIOD for index in range(101)]
@@ -180,6 +180,28 @@ def test_derivatives_of_the_law_are_those_of_the_tick(ticking):
     assert found[0] != 0 and found[2] == pytest.approx(1.0)
     ticking.updateDiscreteStates()
     assert ticking.getDirectionalDerivative(law, error, [1.0, 1.0, 1.0]) == [0.0]
+
+
+def test_derivatives_after_a_tick_know_nothing_of_it():
+    """A reset during a tick: the sample that initialization takes at its period is held afterwards."""
+    a, b, u = symbols("a", "b", "u")
+    block = Block(
+        "timed_and_clocked",
+        inputs=(Input("u"),),
+        clocks=(Clock("tick", period=0.1),),
+        samples=(Sample("a", update=u, period=0.1), Sample("b", update=u, clock="tick")),
+        outputs=(Output("a", expression=a), Output("b", expression=b)),
+    )
+    with br.component(block, 3, event_mode_used=True) as one:
+        unknowns, known = [one.references["a"], one.references["b"]], [one.references["u"]]
+        initialize(one)
+        tick(one, ["tick"])
+        assert one.getDirectionalDerivative(unknowns, known, [1.0]) == [0.0, 1.0]
+        one.reset()
+        one.enterInitializationMode()
+        assert one.getDirectionalDerivative(unknowns, known, [1.0]) == [1.0, 0.0]
+        one.exitInitializationMode()
+        assert one.getDirectionalDerivative(unknowns, known, [1.0]) == [0.0, 0.0]
 
 
 def test_the_law_depends_on_what_it_samples_and_on_the_clock(ticking):
