@@ -62,6 +62,13 @@ def test_categories_are_switched_by_themselves():
             one.setDebugLogging(True, ["logColours"])
 
 
+def test_what_is_not_listed_is_switched_off():
+    with br.component(library.linearized_robot(), 3, logging=True) as one:
+        initialize(one, THROUGH_REST)
+        one.setDebugLogging(True, ["logEvents"])
+        assert not _through_rest(one)
+
+
 def _through_rest_from(one, first, last, length=0.005):
     told = []
     for index in range(first, last):
