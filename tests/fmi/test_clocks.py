@@ -1,6 +1,7 @@
 """The four forms of the sliding-mode controller, in every way that FMI 3 runs them, against their native simulation."""
 
-from ctypes import c_double, c_int, c_uint
+from ctypes import CFUNCTYPE, c_double, c_int, c_uint
+from functools import partial
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from masters import in_event_mode, in_model_exchange, in_scheduled_execution, in
 
 import brunovsky as br
 from brunovsky.blocks import Block, Clock, Input, Output, Sample, library, symbols
+from brunovsky.fmi.instances import FMU3ScheduledComponent
 
 PERIOD = 0.01
 TIMES = [index * PERIOD for index in range(101)]
@@ -182,17 +184,21 @@ def test_derivatives_of_the_law_are_those_of_the_tick(ticking):
     assert ticking.getDirectionalDerivative(law, error, [1.0, 1.0, 1.0]) == [0.0]
 
 
-def test_derivatives_after_a_tick_know_nothing_of_it():
-    """A reset during a tick: the sample that initialization takes at its period is held afterwards."""
+@pytest.fixture
+def timed_and_clocked():
     a, b, u = symbols("a", "b", "u")
-    block = Block(
+    return Block(
         "timed_and_clocked",
         inputs=(Input("u"),),
         clocks=(Clock("tick", period=0.1),),
         samples=(Sample("a", update=u, period=0.1), Sample("b", update=u, clock="tick")),
         outputs=(Output("a", expression=a), Output("b", expression=b)),
     )
-    with br.component(block, 3, event_mode_used=True) as one:
+
+
+def test_derivatives_after_a_tick_know_nothing_of_it(timed_and_clocked):
+    """A reset during a tick: the sample that initialization takes at its period is held afterwards."""
+    with br.component(timed_and_clocked, 3, event_mode_used=True) as one:
         unknowns, known = [one.references["a"], one.references["b"]], [one.references["u"]]
         initialize(one)
         tick(one, ["tick"])
@@ -242,6 +248,39 @@ def test_scheduled_execution_goes_forward_only():
         with pytest.raises(br.BrunovskyError, match="not Clock"):
             one.activateModelPartition(one.references["Z1[1]"], 2.0)
         one.terminate()
+
+
+def test_a_partition_is_not_interrupted():
+    """Every call that uses the memory of the instance is between the master's lock and unlock, failed ones too."""
+    calls = []
+    lock, unlock = (CFUNCTYPE(None)(partial(calls.append, name)) for name in ("lock", "unlock"))
+    with br.component(library.sliding_mode_clocked(), 3, "ScheduledExecution") as one:
+        own, token = one.component, one.model_description.instantiationToken.encode()
+        options = (b"two", token, b"", False, False, None, one.logMessage, one.clockUpdate, lock, unlock)
+        one.component = one.fmi3InstantiateScheduledExecution(*options)
+        initialize(one, {"Z1[1]": 0.001})
+        for call in (
+            lambda: write(one, {"Z1[1]": 0.002}),
+            lambda: one.activateModelPartition(one.references["sampling"], 0.0),
+            lambda: read(one, ["v[1]"]),
+            lambda: one.getDirectionalDerivative([one.references["v[1]"]], [one.references["Z1[1]"]], [1.0]),
+        ):
+            calls.clear()
+            call()
+            assert calls == ["lock", "unlock"]
+        calls.clear()
+        with pytest.raises(br.BrunovskyError, match="later"):
+            one.activateModelPartition(one.references["sampling"], 0.0)
+        with pytest.raises(br.BrunovskyError, match="not finite"):
+            write(one, {"Z1[1]": float("nan")})
+        assert calls == ["lock", "unlock"] * 2
+        one.fmi3FreeInstance(one.component)
+        one.component = own
+
+
+def test_scheduled_execution_is_for_clocks_alone(timed_and_clocked):
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        FMU3ScheduledComponent(timed_and_clocked)
 
 
 def test_clock_functions_are_refused_outside_event_mode():
