@@ -28,7 +28,7 @@ void engine_relations(Engine *engine)
     if (!engine->observe) {
         engine->model->relations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m, engine->r);
     } else if (engine_relations_differ(engine)) {
-        evaluate_relations(engine, engine->r);
+        memcpy(engine->r, engine->r + 2 * engine->model->nr, (size_t)engine->model->nr * sizeof *engine->r);
         engine->observe(engine->observer, ENGINE_SWITCHED);
     }
 }

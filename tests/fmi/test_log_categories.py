@@ -1,6 +1,9 @@
 """What is told by log category: the singularity, other events; switched on and off during the run."""
 
+from functools import partial
+
 import pytest
+import sympy as sp
 from masters import initialize, write
 
 import brunovsky as br
@@ -85,3 +88,27 @@ def test_a_relay_is_told_as_an_event():
         write(one, {"Z1[3]": -1.0})
         one.doStep(0.01, 0.01)
         assert ("logEvents", "relay[1] changed from 1 to -1 at t = 0.01 s") in _told(one)
+
+
+@pytest.mark.parametrize("event_mode", [False, True])
+def test_what_a_failure_took_back_is_no_change_afterwards(event_mode):
+    mode, u = br.blocks.symbols("mode", "u")
+    block = br.Block(
+        "without_end",
+        inputs=(br.blocks.Input("u"),),
+        modes=(br.blocks.Mode("mode", start=0),),
+        outputs=(br.blocks.Output("shown", expression=mode),),
+        transitions=(
+            br.blocks.Transition("up", sp.And(sp.Eq(mode, 0), u > 1), {mode: sp.S(1)}),
+            br.blocks.Transition("down", sp.And(sp.Eq(mode, 1), u > 2), {mode: sp.S(0)}),
+        ),
+    )
+    with br.component(block, 3, event_mode_used=event_mode, logging=True) as one:
+        initialize(one)
+        go = one.updateDiscreteStates if event_mode else partial(one.doStep, 0.0, 0.1)
+        write(one, {"u": 3.0})
+        with pytest.raises(br.BrunovskyError, match="events do not end"):
+            go()
+        write(one, {"u": 1.5})
+        go()
+        assert [text for _, text in _told(one) if text.startswith("mode")] == ["mode changed from 0 to 1 at t = 0 s"]
