@@ -17,6 +17,7 @@ Result instance_set_time(Instance *instance, double time)
     if (!isfinite(time))
         return instance_report(instance, FAILED, "time cannot be set to %g: it is not finite", time);
     instance->engine->time = time;
+    instance->relations_current = 0;
     instance_outdate(instance);
     return DONE;
 }

@@ -98,6 +98,15 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     return fmu;
 }
 
+/* Whether nothing but ticks of clocks makes the block act. */
+static int clocks_alone(void)
+{
+    for (int i = 0; i < brunovsky_model.nq; i++)
+        if (!brunovsky_model.nk || brunovsky_model.q_clock[i] < 0)
+            return 0;
+    return brunovsky_model.nk && !brunovsky_model.nx;
+}
+
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
                                                fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
                                                fmi3InstanceEnvironment instanceEnvironment,
@@ -106,23 +115,29 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption)
 {
     const Logger logger = {write_log, (void (*)(void))logMessage, instanceEnvironment, instanceName ? instanceName : "?"};
+    Fmu *fmu;
     (void)resourcePath;
     (void)visible;
     (void)clockUpdate;
-    (void)lockPreemption;
-    (void)unlockPreemption;
-    if (!brunovsky_model.nk || brunovsky_model.nx) {
+    if (!clocks_alone()) {
         fmu_log(&logger, STATUS_ERROR, "logStatusError",
-                "%s: scheduled execution is for blocks with clocks and without continuous states", __func__);
+                "%s: scheduled execution is for blocks with clocks, without continuous states or other samples", __func__);
         return NULL;
     }
-    return instantiate(__func__, SCHEDULED_EXECUTION, instanceName, instantiationToken, loggingOn, instanceEnvironment,
-                       logMessage);
+    fmu = instantiate(__func__, SCHEDULED_EXECUTION, instanceName, instantiationToken, loggingOn, instanceEnvironment,
+                      logMessage);
+    if (fmu && lockPreemption && unlockPreemption) {
+        fmu->lock = lockPreemption;
+        fmu->unlock = unlockPreemption;
+    }
+    return fmu;
 }
 
 void fmi3FreeInstance(fmi3Instance instance)
 {
-    fmu_free(instance);
+    const Fmu *fmu = instance;
+    if (fmu && !fmu_refused(fmu, __func__, ANY_PHASE & ~INTERMEDIATE)) /* the step under way needs it */
+        fmu_free(instance);
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,

@@ -1,8 +1,10 @@
 """What is told by log category: the singularity, other events; switched on and off during the run."""
 
 from ctypes import c_double
+from functools import partial
 
 import pytest
+import sympy as sp
 from masters import initialize, write
 
 import brunovsky as br
@@ -64,6 +66,13 @@ def test_categories_are_switched_by_themselves():
             one.setDebugLogging(True, ["logColours"])
 
 
+def test_what_is_not_listed_is_switched_off():
+    with br.component(library.linearized_robot(), 3, logging=True) as one:
+        initialize(one, THROUGH_REST)
+        one.setDebugLogging(True, ["logEvents"])
+        assert not _through_rest(one)
+
+
 def _through_rest_from(one, first, last, length=0.005):
     told = []
     for index in range(first, last):
@@ -110,3 +119,25 @@ def test_model_exchange_tells_the_singularity_at_its_event(version):
         one.enterEventMode()
         update()
         assert ("logSingularity", "singular became true at t = 0 s") in _told(one)
+@pytest.mark.parametrize("event_mode", [False, True])
+def test_what_a_failure_took_back_is_no_change_afterwards(event_mode):
+    mode, u = br.blocks.symbols("mode", "u")
+    block = br.Block(
+        "without_end",
+        inputs=(br.blocks.Input("u"),),
+        modes=(br.blocks.Mode("mode", start=0),),
+        outputs=(br.blocks.Output("shown", expression=mode),),
+        transitions=(
+            br.blocks.Transition("up", sp.And(sp.Eq(mode, 0), u > 1), {mode: sp.S(1)}),
+            br.blocks.Transition("down", sp.And(sp.Eq(mode, 1), u > 2), {mode: sp.S(0)}),
+        ),
+    )
+    with br.component(block, 3, event_mode_used=event_mode, logging=True) as one:
+        initialize(one)
+        go = one.updateDiscreteStates if event_mode else partial(one.doStep, 0.0, 0.1)
+        write(one, {"u": 3.0})
+        with pytest.raises(br.BrunovskyError, match="events do not end"):
+            go()
+        write(one, {"u": 1.5})
+        go()
+        assert [text for _, text in _told(one) if text.startswith("mode")] == ["mode changed from 0 to 1 at t = 0 s"]
