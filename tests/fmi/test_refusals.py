@@ -6,7 +6,7 @@ import math
 
 import pytest
 import sympy as sp
-from fmu_driver import ERROR, FUNCTIONS, OK, Driver
+from fmu_driver import DISCARD, ERROR, FUNCTIONS, OK, Driver
 
 from brunovsky.blocks import Block, Check, Mode, Output, Parameter, Transition, library, symbols
 from brunovsky.errors import ModelError
@@ -276,9 +276,16 @@ def test_what_is_not_provided_says_so(instance):
     instance.initialize()
     assert instance.call("CancelStep") == ERROR
     assert "no step to cancel" in instance.text
-    integer = ctypes.c_int()
-    assert instance.call("GetIntegerStatus", 0, ctypes.byref(integer)) == ERROR
-    assert "there is no Integer status" in instance.text
+    value = ctypes.c_double()
+    for function, kind, text in (
+        ("GetStatus", 1, "only fmi2DoStepStatus is a status"),
+        ("GetRealStatus", 3, "only fmi2LastSuccessfulTime is a Real status"),
+        ("GetIntegerStatus", 0, "there is no Integer status"),
+        ("GetBooleanStatus", 2, "only fmi2Terminated is a Boolean status"),
+        ("GetStringStatus", 0, "only fmi2PendingStatus is a String status"),
+    ):
+        assert instance.call(function, kind, ctypes.byref(value)) == DISCARD
+        assert text in instance.text
 
 
 def test_wrong_numbers_of_states_are_refused(exchange):
