@@ -6,9 +6,9 @@ import os
 import tempfile
 from pathlib import Path
 
-from brunovsky.fmi.checks.description import load_description, static_checks
+from brunovsky.fmi.checks.description import Unreadable, load_description, load_root, static_checks
 from brunovsky.fmi.checks.process import run_checks
-from brunovsky.fmi.checks.report import CheckReport
+from brunovsky.fmi.checks.report import FAILED, NOT_RUN, PASSED, Check, CheckReport
 from brunovsky.fmi.checks.unpacking import unpack_fmu
 
 TIME_LIMIT = 60.0
@@ -49,9 +49,15 @@ def check_fmu(
         folder = Path(scratch) / "fmu"
         folder.mkdir()
         unpack_fmu(path, folder)
-        description = load_description(folder, str(path))
-        checks = static_checks(folder, description)
-        if run:
-            own = (description.generationTool or "").startswith("brunovsky ")
-            checks += run_checks(folder, description, Path(scratch), strict or own, time_limit)
-        return CheckReport(str(path), str(description.modelName), str(description.fmiVersion), tuple(checks))
+        root = load_root(folder, str(path))
+        try:
+            description = load_description(folder, root)
+        except Unreadable as error:
+            checks = [Check("readable", FAILED, str(error)), Check("all others", NOT_RUN, "there is no model to check")]
+        else:
+            checks = [Check("readable", PASSED, f"{len(description.modelVariables)} variables")]
+            checks += static_checks(folder, description)
+            if run:
+                own = (description.generationTool or "").startswith("brunovsky ")
+                checks += run_checks(folder, description, Path(scratch), strict or own, time_limit)
+        return CheckReport(str(path), root.get("modelName", ""), root.get("fmiVersion"), tuple(checks))

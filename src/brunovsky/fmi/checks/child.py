@@ -9,7 +9,7 @@ import threading
 from pathlib import Path
 
 from brunovsky.fmi.checks.behaviour import CHECKS, LIFE_CYCLE, Subject
-from brunovsky.fmi.checks.description import load_description
+from brunovsky.fmi.checks.description import load_description, load_root
 from brunovsky.fmi.checks.instance import Refused
 from brunovsky.fmi.checks.process import TIMED_OUT
 from brunovsky.fmi.checks.report import FAILED
@@ -22,7 +22,7 @@ def main() -> None:
     order = json.loads(sys.argv[1])
     _limit()
     folder = Path(order["folder"])
-    subject = Subject(folder, load_description(folder, folder.name), order["interface"])
+    subject = Subject(folder, load_description(folder, load_root(folder, folder.name)), order["interface"])
     with open(order["results"], "a", encoding="utf-8") as results:
         for name in order["names"]:
             watch = threading.Timer(order["time_limit"], os._exit, [TIMED_OUT])
@@ -46,7 +46,7 @@ def _answer(subject: Subject, name: str) -> tuple[str, str]:
         status, detail = FAILED, str(error) or type(error).__name__
     if status == FAILED and subject.last_message:
         detail += f" ({subject.last_message[:200]})"
-    return status, " ".join(detail.split())
+    return status, " ".join(detail.replace(f"{subject.folder}{os.sep}", "").split())
 
 
 def _limit() -> None:

@@ -10,7 +10,6 @@ from typing import Any
 import fmpy
 from fmpy import read_model_description
 from fmpy.model_description import ModelDescription, ValidationError
-from fmpy.validation import validate_fmu
 from lxml import etree
 
 from brunovsky.errors import BrunovskyError
@@ -23,13 +22,17 @@ _C_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 _READ = ("modelDescription.xml", "sources/buildDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml")
 
 
-def load_description(folder: Path, shown: str) -> ModelDescription:
-    """Description in the folder of an unpacked FMU.
+class Unreadable(Exception):
+    """A description so wrong that there is no model to check; the message says what is."""
+
+
+def load_root(folder: Path, shown: str) -> Any:
+    """Root element of the description of an unpacked FMU.
 
     Raises
     ------
     BrunovskyError
-        If its XML is hostile or so wrong that there is nothing to check.
+        If its XML is hostile or not well-formed, or of a version of FMI that isn't checked.
     """
     for name in _READ:
         if (folder / name).is_file():
@@ -38,16 +41,49 @@ def load_description(folder: Path, shown: str) -> ModelDescription:
     version = root.get("fmiVersion", "")
     if version != "2.0" and not re.match(r"3\.\d", version):
         raise BrunovskyError(f"{shown}: fmiVersion '{version}' is not known; FMI 2.0 and 3.x can be checked")
+    return root
+
+
+def load_description(folder: Path, root: Any) -> ModelDescription:
+    """What fmpy reads of a description, with what it leaves out.
+
+    Raises
+    ------
+    Unreadable
+        If a reference leads nowhere, or if it doesn't keep to the schema so far that fmpy stumbles.
+    """
+    dangling = _dangling(root)
+    if dangling:
+        raise Unreadable(_summary(dangling))
     try:
         description = read_model_description(str(folder), validate=False)
     except Exception as error:  # whatever fmpy stumbles over
-        problems = validate_fmu(str(folder)) or [f"{type(error).__name__}: {error}"]
-        raise BrunovskyError(f"{shown}: modelDescription.xml can't be read: {problems[0]}") from None
+        problems = [
+            line for file, schema in _schemas(folder, int(root.get("fmiVersion")[0])) for line in _wrong(file, schema)
+        ]
+        raise Unreadable(_summary(problems or [f"{type(error).__name__}: {error}"])) from None
     for name, one in interfaces(description).items():
         element = root.find(name)
-        if version != "2.0" and element is not None:  # fmpy knows the flag of FMI 2 alone
+        if root.get("fmiVersion") != "2.0" and element is not None:  # fmpy knows the flag of FMI 2 alone
             one.providesDirectionalDerivative = element.get("providesDirectionalDerivatives") in ("true", "1")
     return description
+
+
+def _dangling(root: Any) -> list[str]:
+    """References in the model structure to variables that there aren't."""
+    variables = root.findall("ModelVariables/*")
+    if root.get("fmiVersion") == "2.0":
+        known, key = {str(index) for index in range(1, len(variables) + 1)}, "index"
+    else:
+        known, key = {one.get("valueReference") for one in variables}, "valueReference"
+    found = []
+    for unknown in root.iterfind("ModelStructure//*[@dependencies]"):
+        missing = [one for one in (unknown.get("dependencies") or "").split() if one not in known]
+        found += [f"line {unknown.sourceline}: dependency {one} is not a variable" for one in missing]
+    for unknown in root.iterfind(f"ModelStructure//*[@{key}]"):
+        if unknown.get(key) not in known:
+            found.append(f"line {unknown.sourceline}: {key} {unknown.get(key)} is not a variable")
+    return found
 
 
 def interfaces(description: ModelDescription) -> dict[str, Any]:
@@ -84,9 +120,14 @@ Found = tuple[list[str], str]
 def _schema(folder: Path, description: ModelDescription) -> Found:
     problems = []
     for file, schema in _schemas(folder, int(description.fmiMajorVersion)):
-        if not schema.validate(etree.parse(file)):
-            problems += [f"{file.name}, line {one.line}: {one.message}" for one in schema.error_log]
+        problems += _wrong(file, schema)
     return problems, f"modelDescription.xml of FMI {description.fmiVersion}"
+
+
+def _wrong(file: Path, schema: etree.XMLSchema) -> list[str]:
+    if schema.validate(etree.parse(file)):
+        return []
+    return [f"{file.name}, line {one.line}: {one.message}" for one in schema.error_log]
 
 
 def _schemas(folder: Path, version: int) -> Iterator[tuple[Path, etree.XMLSchema]]:
@@ -113,19 +154,13 @@ def _standard(folder: Path, description: ModelDescription) -> Found:
 
 
 def _dependencies(_folder: Path, description: ModelDescription) -> Found:
-    known = {id(one) for one in description.modelVariables}
     states = [one.variable.derivative for one in description.derivatives if one.variable is not None]
     problems, count = [], 0
     lists = ("outputs", "derivatives", "clockedStates", "eventIndicators", "initialUnknowns")
     for kind in lists:
         for unknown in getattr(description, kind):
-            if id(unknown.variable) not in known:
-                problems.append(f"{kind} names a variable that there isn't (line {unknown.sourceline})")
-                continue
-            given = [one for one in unknown.dependencies or () if id(one) in known]
+            given = unknown.dependencies or ()
             count += len(given)
-            if len(given) < len(unknown.dependencies or ()):
-                problems.append(f"{unknown.variable.name} in {kind} depends on a variable that there isn't")
             if len({one.name for one in given}) < len(given):
                 problems.append(f"{unknown.variable.name} in {kind} names a dependency twice")
             problems += [

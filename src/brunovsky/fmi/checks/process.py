@@ -34,12 +34,14 @@ def run_checks(
     for interface, one in interfaces(description).items():
         if interface not in CHECKS:
             found.append(Check("run", NOT_RUN, "scheduled execution is not run", interface))
-        elif one.needsExecutionTool:
-            found.append(Check("run", NOT_RUN, "the FMU needs its tool, which is not started", interface))
         elif binary_path(folder, one.modelIdentifier or "", int(description.fmiMajorVersion)) is None:
             found.append(Check("run", NOT_RUN, "there is no binary for this machine", interface))
         else:
-            found += _run_interface(folder, interface, scratch, strict, time_limit)
+            made = _run_interface(folder, interface, scratch, strict, time_limit)
+            if one.needsExecutionTool and made[0].status == FAILED:
+                why = f"the FMU needs its tool, and without it: {made[0].detail}"
+                made = [Check("run", NOT_RUN, why, interface)]
+            found += made
     return found
 
 

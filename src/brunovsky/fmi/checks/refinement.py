@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
-from brunovsky.fmi.checks.report import FAILED, NOT_PROVIDED, PASSED
+from brunovsky.fmi.checks.report import FAILED, NOT_PROVIDED, NOT_RUN, PASSED
 from brunovsky.fmi.checks.subject import Answer, Subject
 
 _NOTHING = 1e-6
@@ -20,6 +20,8 @@ def step_refinement(subject: Subject) -> Answer:
     fixed = float(getattr(subject.capabilities, "fixedInternalStepSize", None) or 0.0)
     if fixed and subject.run.step < 3.9 * fixed:
         return NOT_PROVIDED, f"the internal step is fixed at {fixed:g} s"
+    if not np.all(np.isfinite(subject.reference)):
+        return NOT_RUN, "the outputs are not finite"
     ends = []
     for parts in (1, 2, 4):
         run = replace(subject.run, step=subject.run.step / parts, steps=subject.run.steps * parts)
