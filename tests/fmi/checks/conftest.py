@@ -11,10 +11,23 @@ from brunovsky.fmi.contents import headers_folder
 from brunovsky.native import compile_library
 
 HERE = Path(__file__).parent
-FAULTS = (
-    "ANY_TOKEN ENDLESS IGNORES_RESET ANY_VARIABLE FEEDTHROUGH CRASHES HANGS EXITS NAN_AT_HALF NOISY FORGETS LOSES "
-    "WRONG_DERIVATIVE CRASHES_ON_RESTORE SHARED"
-).split()
+FAULTS = [
+    "ANY_TOKEN",
+    "ANY_VARIABLE",
+    "CRASHES",
+    "CRASHES_ON_RESTORE",
+    "ENDLESS",
+    "EXITS",
+    "FEEDTHROUGH",
+    "FORGETS",
+    "HANGS",
+    "IGNORES_RESET",
+    "LOSES",
+    "NAN_AT_HALF",
+    "NOISY",
+    "SHARED",
+    "WRONG_DERIVATIVE",
+]
 
 
 def write_zip(path: Path, files: Mapping[str, bytes]) -> Path:

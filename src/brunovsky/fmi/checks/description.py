@@ -146,7 +146,7 @@ def _standard(folder: Path, description: ModelDescription) -> Found:
     try:
         read_model_description(str(folder), validate=True, validate_variable_names=True, validate_model_structure=True)
     except ValidationError as error:
-        return list(error.problems), ""
+        return [one.strip().partition("\n")[0] for one in error.problems], ""
     except Exception as error:
         return [f"{type(error).__name__}: {error}"], ""
     count = len(description.modelVariables)
@@ -237,13 +237,13 @@ def _inside(folder: Path, name: str) -> bool:
 
 
 _CHECKS: Mapping[str, Callable[[Path, ModelDescription], Found]] = {
-    "binary for this machine": _binaries,
-    "listed sources": _sources,
     "schema": _schema,
     "variables and structure": _standard,
     "dependencies": _dependencies,
     "capability flags": _flags,
     "default experiment": _experiment,
     "token": _token,
+    "binary for this machine": _binaries,
+    "listed sources": _sources,
 }
 _PARTS = {"binary for this machine": "file", "listed sources": "file"}
