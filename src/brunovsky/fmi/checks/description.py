@@ -94,6 +94,8 @@ def interfaces(description: ModelDescription) -> dict[str, Any]:
 
 def binary_path(folder: Path, identifier: str, version: int) -> Path | None:
     """Shared library for this machine, where the standard says it lies."""
+    if not _C_NAME.match(identifier):  # it could lead elsewhere
+        return None
     names = (fmpy.platform, fmpy.platform_tuple) if version == 2 else (fmpy.platform_tuple,)
     paths = (folder / "binaries" / name / f"{identifier}{fmpy.sharedLibraryExtension}" for name in names)
     return next((path for path in paths if path.is_file()), None)
@@ -103,7 +105,10 @@ def static_checks(folder: Path, description: ModelDescription) -> list[Check]:
     """All checks that need no run."""
     found = []
     for name, check in _CHECKS.items():
-        problems, what = check(folder, description)
+        try:
+            problems, what = check(folder, description)
+        except Exception as error:  # what the schema would not let pass
+            problems, what = [f"{type(error).__name__}: {error}"], ""
         status = FAILED if problems else PASSED
         found.append(Check(name, status, _summary(problems) if problems else what, _PARTS.get(name, "description")))
     return found

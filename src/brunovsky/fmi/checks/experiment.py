@@ -43,7 +43,10 @@ def experiment(description: ModelDescription) -> Experiment:
 
 
 def _number(text: Any, default: float) -> float:
-    number = float(text) if text not in (None, "") else default
+    try:
+        number = float(text) if text not in (None, "") else default
+    except ValueError:  # a failed check by itself
+        return default
     return number if math.isfinite(number) else default
 
 
