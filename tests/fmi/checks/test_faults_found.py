@@ -26,19 +26,19 @@ def test_a_sound_fmu_of_another_tool_passes(tiny: Callable[..., Path]) -> None:
 @pytest.mark.parametrize(
     ("fault", "checks", "says"),
     [
-        ("ANY_TOKEN", {"wrong token"}, "another token"),
-        ("ENDLESS", {"stop time"}, "beyond the stop time, 1 s"),
+        pytest.param("ANY_TOKEN", {"wrong token"}, "another token", marks=pytest.mark.slow),
+        pytest.param("ENDLESS", {"stop time"}, "beyond the stop time, 1 s", marks=pytest.mark.slow),
         ("IGNORES_RESET", {"reset"}, "outputs differ by"),
-        ("ANY_VARIABLE", {"illegal calls"}, "a variable that there isn't"),
+        pytest.param("ANY_VARIABLE", {"illegal calls"}, "a variable that there isn't", marks=pytest.mark.slow),
         ("FEEDTHROUGH", {"declared dependencies"}, "y changes by 1 with u"),
         ("WRONG_DERIVATIVE", {"directional derivatives"}, "d y / d u is given as 1, differences say 0"),
         ("NAN_AT_HALF", {"finite outputs"}, "y is nan at 0.5 s"),
-        ("NOISY", {"step refinement"}, "halved twice"),
-        ("FORGETS", {"state round trip", "serialised state"}, "outputs differ by"),
-        ("LOSES", {"serialised state"}, "outputs differ by"),
+        pytest.param("NOISY", {"step refinement"}, "halved twice", marks=pytest.mark.slow),
+        pytest.param("FORGETS", {"state round trip", "serialised state"}, "outputs differ by", marks=pytest.mark.slow),
+        pytest.param("LOSES", {"serialised state"}, "outputs differ by", marks=pytest.mark.slow),
         ("SHARED", {"two instances"}, "outputs differ by"),
         ("CRASHES", {"life cycle"}, "it crashes the process (SIGABRT)"),
-        ("EXITS", {"life cycle"}, "it ends the process with status 0"),
+        pytest.param("EXITS", {"life cycle"}, "it ends the process with status 0", marks=pytest.mark.slow),
         ("CRASHES_ON_RESTORE", {"state round trip", "serialised state"}, "it crashes the process (SIGABRT)"),
     ],
 )
@@ -49,6 +49,13 @@ def test_a_fault_fails_its_check(tiny: Callable[..., Path], fault: str, checks: 
     else:
         assert set(found) == checks
     assert all(says in found[name] for name in checks), found
+
+
+def test_faults_together_fail_their_checks(tiny: Callable[..., Path]) -> None:
+    faults = ("ANY_TOKEN", "ENDLESS", "ANY_VARIABLE", "NOISY", "FORGETS", "LOSES")  # each alone: among the slow ones
+    states = {"state round trip", "serialised state"}
+    found = failed(check_fmu(tiny(*faults), strict=True))
+    assert set(found) == {"wrong token", "stop time", "illegal calls", "step refinement", *states}
 
 
 def test_a_hang_ends_at_the_limit(tiny: Callable[..., Path]) -> None:

@@ -34,6 +34,7 @@ def part_of(checks: tuple[Check, ...], part: str) -> dict[str, Check]:
     return {one.name: one for one in checks if one.part == part}
 
 
+@pytest.mark.slow
 def test_the_order_of_rk4_is_seen(tmp_path: Path) -> None:
     report = check_fmu(export_fmu(shipped_block("closed_loop"), tmp_path / "loop.fmu", 3))
     order = float(part_of(report.checks, "ModelExchange")["step refinement"].detail.rpartition("order ")[2])
