@@ -11,7 +11,8 @@
  * - Samples of a clock follow its ticks in event mode and scheduled execution. Where co-simulation has no event mode they
  *   fall at their period, as if the block had no clock.
  * - While a clock ticks, outputs show the samples that belong to the inputs set last; fmi3UpdateDiscreteStates makes them
- *   final. Clocked variables may be read at any time and keep their values between ticks.
+ *   final. Clocked variables may be read and set at any time: samples keep their values between ticks, outputs made of
+ *   inputs follow these.
  * - In event and continuous-time mode of model exchange fmi3SetFloat64 sets continuous states too, for masters that know
  *   no other way.
  * - Errors are logged whatever the settings, everything else only if it is switched on.
