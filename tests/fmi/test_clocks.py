@@ -4,10 +4,10 @@ from ctypes import c_double, c_int, c_uint
 
 import numpy as np
 import pytest
-from masters import in_event_mode, in_model_exchange, in_scheduled_execution, initialize, read, tick, write
 
 import brunovsky as br
 from brunovsky.blocks import library
+from masters import in_event_mode, in_model_exchange, in_scheduled_execution, initialize, read, tick, write
 
 PERIOD = 0.01
 TIMES = [index * PERIOD for index in range(101)]

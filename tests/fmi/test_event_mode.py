@@ -4,11 +4,11 @@ import fmpy
 import numpy as np
 import pytest
 import sympy as sp
-from masters import in_event_mode, initialize, read, write
 
 import brunovsky as br
 from brunovsky.blocks import Block, Mode, Output, Parameter, State, Transition, library, symbols
 from brunovsky.fmi.component import Component
+from masters import in_event_mode, initialize, read, write
 
 DORMAND_PRINCE = 2
 DISCARD, ERROR = 2, 3

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from masters import initialize, read, write
 
 import brunovsky as br
 from brunovsky.blocks import Block, Input, Output, State, library, symbols
+from masters import initialize, read, write
 
 STEP_SIZE = 1e-3
 DORMAND_PRINCE = 2

@@ -1,10 +1,10 @@
 """What is told by log category: the singularity, other events; switched on and off during the run."""
 
 import pytest
-from masters import initialize, write
 
 import brunovsky as br
 from brunovsky.blocks import library
+from masters import initialize, write
 
 THROUGH_REST = {"eta_start[1]": 0.2, "v[2]": -4.0}  # eta[1] crosses the guard's band from 0.05 to -0.05 m/s
 

@@ -1,9 +1,10 @@
-"""FMUs and in-process components of any block, in FMI 2.0 and 3.0, and the list of FMUs that ship."""
+"""FMUs and in-process components of any block, in FMI 2.0 and 3.0, packages (SSP) of diagrams, and what ships."""
 
 from brunovsky.fmi.archive import export_fmu
 from brunovsky.fmi.component import component
 from brunovsky.fmi.instances import ComponentError
 from brunovsky.fmi.manifest import shipped_block, shipped_fmus
+from brunovsky.fmi.ssp import Variant, export_ssp, robot_system, robot_variants
 from brunovsky.fmi.structure import ModelStructure, Unknown, model_structure
 from brunovsky.fmi.variables import ScalarVariable, scalar_variables
 
@@ -12,9 +13,13 @@ __all__ = [
     "ModelStructure",
     "ScalarVariable",
     "Unknown",
+    "Variant",
     "component",
     "export_fmu",
+    "export_ssp",
     "model_structure",
+    "robot_system",
+    "robot_variants",
     "scalar_variables",
     "shipped_block",
     "shipped_fmus",
