@@ -1,12 +1,13 @@
 """How components exchange values at communication points, and signals as Taylor polynomials between them.
 
-``"jacobi"``: all components step at once, each from what the others gave at its beginning. ``"gauss_seidel"``: they step
-one after the other, each from the end of the step for those before it. With ``order`` m every exchanged signal is
+``"jacobi"``: all components step at once, each from what the others gave at its beginning. ``"gauss_seidel"``: they
+step one after the other, each from the end of the step for those before it. With ``order`` m every exchanged signal is
 continued by its first m time derivatives; 0 holds it. Both names are those of the iterations for linear equations.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import factorial
 from typing import Any, Literal
 
@@ -23,12 +24,17 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 def shifted(signals: Array, time: float) -> Array:
     """Values and derivatives of Taylor polynomials, rows 0 to m of ``signals``, at a later (or earlier) time in s."""
-    count = len(signals)
-    weights = np.array(
+    if time == 0.0:
+        return signals
+    moved: Array = np.tensordot(_weights(len(signals), time), signals, 1)
+    return moved
+
+
+@lru_cache(maxsize=64)
+def _weights(count: int, time: float) -> Array:
+    return np.array(
         [[time ** (j - i) / factorial(j - i) if j >= i else 0.0 for j in range(count)] for i in range(count)]
     )
-    moved: Array = weights @ signals
-    return moved
 
 
 def check_scheme(scheme: str, order: int, communication_step: float, where: str) -> float:

@@ -65,9 +65,8 @@ def coupled_simulation(
     ParameterError
         For unknown schemes, orders and parameters, and durations or steps that are not positive.
     SimulationError
-        If a step of a component fails; ``trajectory`` holds what there was until then.
-    ComponentError
-        If a component gives fewer derivatives than `order`.
+        If a component refuses a call: a step that fails, or fewer derivatives than `order`; ``trajectory`` holds what
+        there was until then, None before the first step.
 
     References
     ----------
@@ -89,17 +88,19 @@ def coupled_simulation(
         parts = {
             name: stack.enter_context(_Part(name, diagram, plan, values, inner, order)) for name in diagram.components
         }
-        _settle(parts, order)
         times = np.linspace(0.0, duration, count + 1)
-        rows = [_row(diagram, parts)]
-        for begin, end in pairwise(times):
-            try:
-                _step(parts, scheme, float(begin), float(end - begin))
-            except ComponentError as error:
-                failure = SimulationError(f"{where}: {error}", block=diagram.name, time=float(begin))
-                failure.trajectory = _dataset(diagram, times[: len(rows)], rows)
-                raise failure from None
+        rows: list[list[float]] = []
+        try:
+            _settle(parts, order)
             rows.append(_row(diagram, parts))
+            for begin, end in pairwise(times):
+                _step(parts, scheme, float(begin), float(end - begin))
+                rows.append(_row(diagram, parts))
+        except ComponentError as error:
+            time = float(times[max(len(rows) - 1, 0)])
+            failure = SimulationError(f"{where}: {error}", block=diagram.name, time=time)
+            failure.trajectory = _dataset(diagram, times[: len(rows)], rows) if rows else None
+            raise failure from None
     return _dataset(diagram, times, rows)
 
 
@@ -119,12 +120,17 @@ class _Part:
         wires = [one for one in plan.wires if one.target[0] == name and one.source[0]]
         self.sources = [one.source for one in wires]
         self.inputs = [references[one.target[1]] for one in wires]
-        real = [one for one in diagram.components[name].outputs if not one.is_boolean]
-        self.columns = {one.name: column for column, one in enumerate(real)}
-        self.outputs = [references[one.name] for one in real]
+        real = _real_outputs(diagram, name)
+        self.columns = {variable: column for column, variable in enumerate(real)}
+        self.outputs = [references[variable] for variable in real]
         self.driving = sorted(
             {self.columns[one.source[1]] for one in plan.wires if one.source[0] == name and one.target[0]}
         )
+        self.sources_by_part: dict[str, tuple[list[int], list[int]]] = {}
+        for index, (source, variable) in enumerate(self.sources):
+            targets, columns = self.sources_by_part.setdefault(source, ([], []))
+            targets.append(index)
+            columns.append(_real_outputs(diagram, source).index(variable))
         self.signals: Array = np.zeros((order + 1, len(real)))
         self.fmu.setReal([references[key] for key in starts], list(starts.values()))
         self.fmu.setupExperiment(startTime=0.0)
@@ -153,12 +159,16 @@ class _Part:
             self.signals[row, self.driving] = self.fmu.getRealOutputDerivatives(references, [row] * len(references))
 
 
+def _real_outputs(diagram: Diagram, name: str) -> list[str]:
+    return [one.name for one in diagram.components[name].outputs if not one.is_boolean]
+
+
 def _collected(part: _Part, parts: Mapping[str, _Part], shifts: Mapping[str, float]) -> Array:
-    columns = [
-        shifted(parts[source].signals[:, [parts[source].columns[variable]]], shifts.get(source, 0.0))[:, 0]
-        for source, variable in part.sources
-    ]
-    return np.array(columns).T.reshape(part.order + 1, len(columns))
+    """Signals of the inputs of a part at the beginning of its step; ``shifts`` from where their source is, s."""
+    signals = np.empty((part.order + 1, len(part.sources)))
+    for source, (targets, columns) in part.sources_by_part.items():
+        signals[:, targets] = shifted(parts[source].signals[:, columns], shifts.get(source, 0.0))
+    return signals
 
 
 def _settle(parts: Mapping[str, _Part], order: int) -> None:

@@ -173,6 +173,8 @@ def coupling_error_plot(
         place = (1e3 * limit, 0.02)
         axis.annotate(label, place, xycoords=("data", "axes fraction"), rotation=90, fontsize=8, ha="right")
     axis.set(xlabel="communication step in ms", ylabel="largest distance from the monolithic run in m")
+    axis.xaxis.set_major_formatter("{x:g}")
+    axis.xaxis.set_minor_formatter("")
     axis.legend(fontsize=8)
     return control_plot(axes, [drawn])
 
