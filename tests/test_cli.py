@@ -2,8 +2,10 @@
 
 import json
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
+from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 from brunovsky import cli
@@ -64,6 +66,16 @@ def test_build_writes_valid_fmus_of_both_versions(run, tmp_path: Path) -> None: 
         for name in ("circle", "linearized_robot"):
             path = tmp_path / f"fmi{version}" / f"{name}.fmu"
             assert str(path) in out and validate_fmu(str(path)) == []
+
+
+def test_build_writes_the_package_that_ships(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    for arguments, version in (([], "2.0"), (["--ssp", "2"], "3.0")):
+        status, out, _ = run("build", "-o", tmp_path, "--ssp", "1", "circle", *arguments)
+        path = tmp_path / "ssp" / "robot.ssp"
+        assert status == 0 and str(path) in out.split()
+        with ZipFile(path) as archive:
+            archive.extract("resources/circle.fmu", tmp_path)
+        assert read_model_description(tmp_path / "resources" / "circle.fmu").fmiVersion == version
 
 
 def test_build_writes_the_version_asked_for(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]

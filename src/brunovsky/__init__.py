@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from brunovsky import blocks
 from brunovsky.blocks import Block, Diagram, linearized_block
 from brunovsky.errors import BrunovskyError
-from brunovsky.fmi import check_fmu, component, export_fmu
+from brunovsky.fmi import check_fmu, component, export_fmu, export_ssp
 from brunovsky.linearization import (
     AffineSystem,
     Linearization,
@@ -45,6 +45,7 @@ __all__ = [
     "component",
     "disturbance_map",
     "export_fmu",
+    "export_ssp",
     "forecast",
     "gallery",
     "linearize",

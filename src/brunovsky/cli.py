@@ -23,7 +23,7 @@ import brunovsky as br
 from brunovsky._resources import resource
 from brunovsky._suggest import unknown_name
 from brunovsky.errors import BrunovskyError, ParameterError
-from brunovsky.fmi import export_fmu, shipped_fmus
+from brunovsky.fmi import export_fmu, export_ssp, robot_system, robot_variants, shipped_fmus
 from brunovsky.fmi.checks.table import check_summary, check_table
 from brunovsky.fmi.contents import FMI_VERSIONS
 from brunovsky.linearization import gallery
@@ -86,6 +86,13 @@ class FmiVersion(StrEnum):
     three = "3"
 
 
+class SspVersion(StrEnum):
+    """Versions of the system structure package that can be exported."""
+
+    one = "1"
+    two = "2"
+
+
 class Platform(StrEnum):
     """Platforms that can be exported for."""
 
@@ -119,13 +126,17 @@ def derive(
 @app.command()
 def build(
     blocks: Annotated[list[str] | None, typer.Argument(metavar="BLOCK", help="By default the FMUs that ship.")] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder; the FMUs go to its fmi2/ and fmi3/.")] = Path(
-        "build"
-    ),
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="Folder; the files go to its fmi2/, fmi3/ and ssp/.")
+    ] = Path("build"),
     fmi: Annotated[FmiVersion | None, typer.Option("--fmi", help="FMI version; by default both.")] = None,
+    ssp: Annotated[
+        SspVersion | None,
+        typer.Option("--ssp", help="Version of ssp/robot.ssp: 1 (FMI 2) or 2 (FMI 3); built unless blocks are named."),
+    ] = None,
     platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
 ) -> None:
-    """Build FMUs: co-simulation and model exchange in one file, no interpreter inside."""
+    """Build FMUs, co-simulation and model exchange in one file, and a package of three of them, robot.ssp."""
     names = blocks or shipped_fmus(int(fmi) if fmi else None)
     chosen = {name: _known(name, BLOCKS, "block") for name in names}
     with _progress() as progress:
@@ -138,9 +149,24 @@ def build(
                 path = output / f"fmi{version}" / f"{name}.fmu"
                 paths.append(export_fmu(block, path, version, (platform.value,)))
             progress.advance(task)
+        if ssp or not blocks:
+            progress.update(task, description="building robot.ssp")
+            paths.append(_build_ssp(output, int(ssp or (2 if fmi == FmiVersion.three else 1)), (platform.value,)))
         progress.update(task, description="building FMUs")
     for path in paths:
         _say(str(path))
+
+
+def _build_ssp(folder: Path, version: int, platforms: tuple[str, ...]) -> Path:
+    """Write ``ssp/robot.ssp``; without connectors of the system, which libcosim and ecos do not read."""
+    return export_ssp(
+        robot_system(),
+        folder / "ssp" / "robot.ssp",
+        ssp_version=version,
+        variants=robot_variants(),
+        platforms=platforms,
+        system_connectors=False,
+    )
 
 
 def _versions(name: str, block: br.Block) -> list[int]:

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from masters import in_event_mode, in_model_exchange, in_scheduled_execution, initialize, read, tick, write
+from fmi3_masters import in_event_mode, in_model_exchange, in_scheduled_execution, initialize, read, tick, write
 
 import brunovsky as br
 from brunovsky.blocks import Block, Clock, Input, Output, Sample, library, symbols

@@ -4,7 +4,7 @@ import fmpy
 import numpy as np
 import pytest
 import sympy as sp
-from masters import in_event_mode, initialize, read, write
+from fmi3_masters import in_event_mode, initialize, read, write
 
 import brunovsky as br
 from brunovsky.blocks import Block, Mode, Output, Parameter, State, Transition, library, symbols

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from masters import initialize, read, write
+from fmi3_masters import initialize, read, write
 
 import brunovsky as br
 from brunovsky.blocks import Block, Input, Output, State, library, symbols

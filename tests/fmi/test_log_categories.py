@@ -5,7 +5,7 @@ from functools import partial
 
 import pytest
 import sympy as sp
-from masters import initialize, write
+from fmi3_masters import initialize, write
 
 import brunovsky as br
 from brunovsky.blocks import library
@@ -119,6 +119,8 @@ def test_model_exchange_tells_the_singularity_at_its_event(version):
         one.enterEventMode()
         update()
         assert ("logSingularity", "singular became true at t = 0 s") in _told(one)
+
+
 @pytest.mark.parametrize("event_mode", [False, True])
 def test_what_a_failure_took_back_is_no_change_afterwards(event_mode):
     mode, u = br.blocks.symbols("mode", "u")

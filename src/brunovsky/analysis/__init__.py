@@ -6,7 +6,8 @@ super-twisting, phase portraits. Both work on gains and surfaces alone, for chai
 
 `chatter` predicts what a `SwitchingLoop`, a chain behind an actuator with lags, delay or sampling, does: by describing
 function and exactly, beside a measurement. `robot` cuts the robot's loop at its actuators and predicts its chatter
-with lags there. `input_sensitivity` says what v costs at u for any plant; `system` hands a whole block to
+with lags there. `coupling` steps the components of a diagram as a master does and finds the limit of its communication
+step. `input_sensitivity` says what v costs at u for any plant; `system` hands a whole block to
 python-control.
 """
 
@@ -19,6 +20,10 @@ from brunovsky.analysis.chatter.sampled_relay import sampled_chatter_band, sampl
 from brunovsky.analysis.chatter.simulated_cycle import SimulatedResponse, simulated_cycle
 from brunovsky.analysis.chatter.switching_loop import SwitchingLoop
 from brunovsky.analysis.chatter.table import ChatterRow, chatter_table
+from brunovsky.analysis.coupling.bound import coupling_error_bound
+from brunovsky.analysis.coupling.simulated import coupled_simulation
+from brunovsky.analysis.coupling.stability import coupled_step_matrix, largest_communication_step, spectral_radius
+from brunovsky.analysis.coupling.study import CouplingError, coupling_error_plot, coupling_errors, measured_order
 from brunovsky.analysis.input_sensitivity import InputSensitivity, input_gain, input_sensitivity, input_sensitivity_plot
 from brunovsky.analysis.linear.design import (
     boundary_layer_gain,
@@ -78,6 +83,7 @@ from brunovsky.analysis.system import to_control
 
 __all__ = [
     "ChatterRow",
+    "CouplingError",
     "DiskMargin",
     "InputSensitivity",
     "LimitCycle",
@@ -103,6 +109,11 @@ __all__ = [
     "chatter_table",
     "closed_loop_poles",
     "complementary_sensitivity",
+    "coupled_simulation",
+    "coupled_step_matrix",
+    "coupling_error_bound",
+    "coupling_error_plot",
+    "coupling_errors",
     "cycle_state",
     "describing_function_plot",
     "disk_margin",
@@ -115,6 +126,7 @@ __all__ = [
     "input_sensitivity_plot",
     "lag_margin",
     "lagged_reaching",
+    "largest_communication_step",
     "largest_sampling_period",
     "loop_margins",
     "loop_transfer",
@@ -122,6 +134,7 @@ __all__ = [
     "margins",
     "matched_disturbance_bound",
     "measured_chatter",
+    "measured_order",
     "opened_loop",
     "place",
     "pole_zero_map",
@@ -144,6 +157,7 @@ __all__ = [
     "set_point_transfer",
     "simulated_cycle",
     "sliding_gain",
+    "spectral_radius",
     "steady_motion",
     "step_information",
     "super_twisting_condition",

@@ -47,6 +47,11 @@ class Diagram(Block):
     values : mapping of str to float, optional
         New default values of parameters, by their name in this diagram.
 
+    Attributes
+    ----------
+    exports : mapping of str to tuple of str
+        Exported name to the names behind it, for inputs, outputs and parameters.
+
     Raises
     ------
     ModelError
@@ -56,6 +61,7 @@ class Diagram(Block):
 
     components: Mapping[str, Block] = field(default_factory=dict)
     connections: Mapping[str, str] = field(default_factory=dict)
+    exports: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __init__(
         self,
@@ -72,6 +78,8 @@ class Diagram(Block):
         wires = _Wires.of(name, components, connections or {}, inputs or {}, outputs or {}, parameters or {})
         fixed = {"name": name, "description": description, "components": FrozenMapping(components)}
         fixed["connections"] = FrozenMapping(wires.drivers)
+        shown = {key: (one,) for key, one in wires.outputs.items()}
+        fixed["exports"] = FrozenMapping(wires.inputs | wires.parameters | shown)
         for key, value in (fixed | _flattened(wires, values or {})).items():
             object.__setattr__(self, key, value)
         self.__post_init__()

@@ -1,0 +1,1 @@
+"""Co-simulation of a diagram step by step: what exchanging values at communication points costs."""
