@@ -25,6 +25,8 @@ from brunovsky._suggest import unknown_name
 from brunovsky.errors import BrunovskyError
 from brunovsky.fmi import export_fmu, shipped_fmus
 from brunovsky.fmi.contents import FMI_VERSIONS
+from brunovsky.fmi.platforms import HOST
+from brunovsky.fmi.platforms import NAMES as PLATFORMS
 from brunovsky.linearization import gallery
 
 app = typer.Typer(
@@ -85,12 +87,6 @@ class FmiVersion(StrEnum):
     three = "3"
 
 
-class Platform(StrEnum):
-    """Platforms that can be exported for."""
-
-    host = "host"
-
-
 @app.callback()
 def _options(
     context: typer.Context,
@@ -122,7 +118,13 @@ def build(
         "build"
     ),
     fmi: Annotated[FmiVersion | None, typer.Option("--fmi", help="FMI version; by default both.")] = None,
-    platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
+    platform: Annotated[
+        str,
+        typer.Option(
+            metavar="[host|all|NAME]",
+            help=f"Platform of the binaries: {', '.join(PLATFORMS)}; any but the host's needs the extra 'zig'.",
+        ),
+    ] = HOST,
 ) -> None:
     """Build FMUs: co-simulation and model exchange in one file, no interpreter inside."""
     names = blocks or shipped_fmus(int(fmi) if fmi else None)
@@ -135,7 +137,7 @@ def build(
             block = make()
             for version in (int(fmi),) if fmi else _versions(name, block):
                 path = output / f"fmi{version}" / f"{name}.fmu"
-                paths.append(export_fmu(block, path, version, (platform.value,)))
+                paths.append(export_fmu(block, path, version, (platform,)))
             progress.advance(task)
         progress.update(task, description="building FMUs")
     for path in paths:

@@ -88,7 +88,7 @@ def test_every_function_of_the_standard_is_exported(robot):
 @pytest.mark.parametrize("version", [2, 3])
 def test_the_sources_make_a_library_without_warnings(version, exported, tmp_path):
     robot = exported(library.linearized_robot(), version, arrays=version == 3)
-    (configuration,) = read_model_description(str(robot.folder)).buildConfigurations
+    configuration = read_model_description(str(robot.folder)).buildConfigurations[0]
     (sources,) = configuration.sourceFileSets
     assert configuration.modelIdentifier == "linearized_robot"
     files = [robot.folder / "sources" / one for one in sources.sourceFiles]
@@ -143,8 +143,11 @@ def test_a_missing_compiler_is_named_and_nothing_is_written(sampled_integrator, 
     [
         ({"fmi_version": 1}, "FMI 1 is not available; use fmi_version=2 or fmi_version=3"),
         ({"arrays": True}, "FMI 2 has no array variables; use fmi_version=3"),
-        ({"fmi_version": 3, "platforms": ("linux64",)}, "platform 'linux64' cannot be built here: only 'host'"),
-        ({"platforms": ("host", "vax")}, "platform 'vax' cannot be built here: only 'host'"),
+        (
+            {"fmi_version": 3, "platforms": ("linux64",)},
+            "platform 'linux64' is not available in FMI 3; there are x86_64",
+        ),
+        ({"platforms": ("host", "vax")}, "platform 'vax' is not available in FMI 2"),
         ({"platforms": ()}, "no platform was named"),
     ],
 )
