@@ -25,7 +25,7 @@ from brunovsky._suggest import unknown_name
 from brunovsky.errors import BrunovskyError
 from brunovsky.fmi import export_fmu, shipped_fmus
 from brunovsky.fmi.contents import FMI_VERSIONS
-from brunovsky.fmi.platforms import HOST
+from brunovsky.fmi.platforms import HOST, chosen_platforms
 from brunovsky.fmi.platforms import NAMES as PLATFORMS
 from brunovsky.linearization import gallery
 
@@ -127,6 +127,7 @@ def build(
     ] = HOST,
 ) -> None:
     """Build FMUs: co-simulation and model exchange in one file, no interpreter inside."""
+    chosen_platforms((platform,), int(fmi) if fmi else 3)  # refused before anything is built
     names = blocks or shipped_fmus(int(fmi) if fmi else None)
     chosen = {name: _known(name, BLOCKS, "block") for name in names}
     with _progress() as progress:

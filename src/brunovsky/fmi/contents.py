@@ -15,8 +15,11 @@ from brunovsky.fmi import description2, description3
 from brunovsky.fmi.arrays import array_variables, spans
 from brunovsky.fmi.binaries import binary_files, headers_folder
 from brunovsky.fmi.build_description import build_description
+from brunovsky.fmi.documentation import documentation
+from brunovsky.fmi.icon import icon
 from brunovsky.fmi.platforms import HOST, chosen_platforms
 from brunovsky.fmi.structure import dependency_tables
+from brunovsky.fmi.terminals import terminals_and_icons
 from brunovsky.fmi.variables import reference_offsets, scalar_variables
 from brunovsky.native import jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
@@ -33,6 +36,7 @@ _OWN_HEADERS = "description instance variables jacobian output_derivatives sensi
 _HEADERS = (*ENGINE_HEADERS, *(f"{name}.h" for name in _OWN_HEADERS.split()))
 _GENERATED = ("model.c", "jacobian.c", "output_derivatives.c", "description.c")
 
+_TOKEN = {2: "guid", 3: "instantiationToken"}
 _TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN"}
 
 
@@ -84,7 +88,7 @@ def fmu_files(
     check_version(block, fmi_version, arrays)
     chosen = chosen_platforms(platforms, fmi_version)
     names = source_files(fmi_version)
-    descriptions = _descriptions(block, fmi_version, arrays, "")
+    descriptions = _descriptions(block, fmi_version, arrays)
     generated = {
         "model.c": model_source(block).encode(),
         "jacobian.c": jacobian_source(block).encode(),
@@ -97,21 +101,40 @@ def fmu_files(
     sources = runtime | generated | {"description.c": description}
     files = {f"sources/{name}": text for name, text in sources.items()}
     files["documentation/licenses/license.txt"] = resource("LICENSE").read_bytes()  # of the runtime
-    files |= _descriptions(block, fmi_version, arrays, token)
+    blank, named = f'{_TOKEN[fmi_version]}=""', f'{_TOKEN[fmi_version]}="{token}"'
+    descriptions["modelDescription.xml"] = descriptions["modelDescription.xml"].replace(
+        blank.encode(), named.encode(), 1
+    )
+    files |= descriptions
+    files |= _presentation(block, fmi_version, arrays)
     files |= binary_files(block.name, fmi_version, sources, names, chosen)
     return MappingProxyType(files)
 
 
-def _descriptions(block: Block, fmi_version: int, arrays: bool, token: str) -> dict[str, bytes]:
+def _descriptions(block: Block, fmi_version: int, arrays: bool) -> dict[str, bytes]:
+    """Descriptions with a blank token."""
     from brunovsky import __version__  # known only when the package is imported whole
 
     names = source_files(fmi_version)
     text = (
-        description2.model_description(block, token, names, __version__)
+        description2.model_description(block, "", names, __version__)
         if fmi_version == 2
-        else description3.model_description(block, token, __version__, arrays)
+        else description3.model_description(block, "", __version__, arrays)
     )
     return {"modelDescription.xml": text, "sources/buildDescription.xml": build_description(block, names)}
+
+
+def _presentation(block: Block, fmi_version: int, arrays: bool) -> dict[str, bytes]:
+    """What people and diagrams see: icon, terminals, page."""
+    variables = scalar_variables(block, fmi_version)
+    names = [one.name for one in (array_variables(variables, arrays) if fmi_version == 3 else variables)]
+    picture = icon(block)
+    files = {
+        "documentation/index.html": documentation(block, variables),
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(block, names),
+        "terminalsAndIcons/icon.png": picture,
+    }
+    return files | ({"model.png": picture} if fmi_version == 2 else {})
 
 
 def description_source(block: Block, token: str, arrays: bool = False) -> str:
