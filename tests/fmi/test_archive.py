@@ -23,15 +23,17 @@ from brunovsky.fmi.contents import fmu_files, headers_folder
 from brunovsky.native import find_compiler
 
 
-def test_bytes_are_the_same_in_another_process(robot, tmp_path):
+def test_bytes_are_the_same_in_another_process_and_folder(exported, tmp_path):
     script = (
-        "import sys; from brunovsky.blocks import library; from brunovsky.fmi import export_fmu;"
-        "export_fmu(library.linearized_robot(), sys.argv[1])"
+        "from brunovsky.blocks import library; from brunovsky.fmi import export_fmu;"
+        "[export_fmu(library.circle(), f'again{v}.fmu', v) for v in (2, 3)]"
     )
-    again = tmp_path / "again.fmu"
-    environment = os.environ | {"PYTHONHASHSEED": "17", "PYTHONPATH": os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, "-c", script, str(again)], check=True, env=environment, cwd=tmp_path)
-    assert hashlib.sha256(again.read_bytes()).digest() == hashlib.sha256(robot.fmu.read_bytes()).digest()
+    environment = {"PYTHONHASHSEED": "17", "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment |= {"BRUNOVSKY_CACHE": str(tmp_path / "cache")}  # compiled again
+    subprocess.run([sys.executable, "-c", script], check=True, env=os.environ | environment, cwd=tmp_path)
+    for version in (2, 3):
+        again, first = tmp_path / f"again{version}.fmu", exported(library.circle(), version).fmu
+        assert hashlib.sha256(again.read_bytes()).digest() == hashlib.sha256(first.read_bytes()).digest()
 
 
 @pytest.mark.parametrize("arrays", [False, True])

@@ -10,7 +10,7 @@ import fmpy
 
 from brunovsky.fmi.platforms import UNIVERSAL, Platform, host_platform
 from brunovsky.fmi.universal import universal_library
-from brunovsky.native import compile_library, has_ziglang
+from brunovsky.native.compiler import compile_library, has_ziglang
 
 
 def headers_folder() -> Path:

@@ -15,7 +15,7 @@ from brunovsky.fmi.variables import ScalarVariable
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #1f2d3d }
 table { border-collapse: collapse; margin: 1rem 0 } th, td { border-bottom: 1px solid #cfd8e0; padding: .2rem .8rem;
-text-align: left; vertical-align: top } th { color: #2f6f9f } .equation { margin: .6rem 0; overflow-x: auto }
+text-align: left; vertical-align: top } th { color: #2f6f9f } .equation { margin: .6rem 0; overflow: auto hidden }
 h1, h2 { color: #2f6f9f } code { font-size: 90% }
 """
 
