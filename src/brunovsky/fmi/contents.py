@@ -89,11 +89,7 @@ def fmu_files(
     chosen = chosen_platforms(platforms, fmi_version)
     names = source_files(fmi_version)
     descriptions = _descriptions(block, fmi_version, arrays)
-    generated = {
-        "model.c": model_source(block).encode(),
-        "jacobian.c": jacobian_source(block).encode(),
-        "output_derivatives.c": output_derivatives_source(block).encode(),
-    }
+    generated = _generated(block)
     copied = (*(one for one in names if one not in _GENERATED), *_HEADERS)
     runtime = {name: (runtime_folder() / name).read_bytes() for name in copied}
     token = _token([*descriptions.values(), *generated.values(), *runtime.values()])
@@ -109,6 +105,16 @@ def fmu_files(
     files |= _presentation(block, fmi_version, arrays)
     files |= binary_files(block.name, fmi_version, sources, names, chosen)
     return MappingProxyType(files)
+
+
+@lru_cache(maxsize=64)
+def _generated(block: Block) -> dict[str, bytes]:
+    """Generated sources that both versions share."""
+    return {
+        "model.c": model_source(block).encode(),
+        "jacobian.c": jacobian_source(block).encode(),
+        "output_derivatives.c": output_derivatives_source(block).encode(),
+    }
 
 
 def _descriptions(block: Block, fmi_version: int, arrays: bool) -> dict[str, bytes]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from html import escape
 
 import sympy as sp
@@ -38,14 +39,23 @@ def documentation(block: Block, variables: Sequence[ScalarVariable]) -> bytes:
     parts = [
         f"<h1>{escape(block.name)}</h1><p>{escape(block.description)}</p>",
         _section("Variables", [_variables(variables)]),
-        _section("Equations", _equations(block)),
-        _section("Switching", _switching(block)),
-        _section("Feedthrough", _feedthrough(block)),
-        _section("Checks", _checks(block)),
+        _model(block),
         '<p>Licence of the runtime: <a href="licenses/license.txt">license.txt</a>.</p>',
     ]
     head = f'<meta charset="utf-8"><title>{escape(block.name)}</title><style>{_STYLE}</style>'
     return f'<!doctype html>\n<html lang="en"><head>{head}</head>\n<body>{"".join(parts)}</body></html>\n'.encode()
+
+
+@lru_cache(maxsize=64)
+def _model(block: Block) -> str:
+    """What both versions of the standard share."""
+    sections = {
+        "Equations": _equations(block),
+        "Switching": _switching(block),
+        "Feedthrough": _feedthrough(block),
+        "Checks": _checks(block),
+    }
+    return "".join(_section(title, lines) for title, lines in sections.items())
 
 
 def _section(title: str, lines: Iterable[str]) -> str:
