@@ -54,14 +54,34 @@ def _pe(data: bytes) -> set[str]:
 
 
 def _mach_o(data: bytes) -> set[str]:
-    place, found = 32, set()
+    place = 32
     for _ in range(struct.unpack_from("<I", data, 16)[0]):
         command, size = struct.unpack_from("<2I", data, place)
-        if command == 2:  # LC_SYMTAB
-            symbols, count, names, _ = struct.unpack_from("<4I", data, place + 8)
-            for one in range(count):
-                name, kind = struct.unpack_from("<IB", data, symbols + 16 * one)
-                if kind & 0x1F == 0x0F:  # external, defined in a section, not private
-                    found.add(_text(data, names + name).removeprefix("_"))
+        if command in (0x22, 0x80000022, 0x80000033):  # LC_DYLD_INFO, LC_DYLD_INFO_ONLY, LC_DYLD_EXPORTS_TRIE
+            start, length = struct.unpack_from("<2I", data, place + (8 if command == 0x80000033 else 40))
+            return {one.removeprefix("_") for one in _trie(data[start : start + length], 0, "")}
         place += size
+    raise AssertionError("a Mach-O file without a table of exported names")
+
+
+def _trie(trie: bytes, node: int, prefix: str) -> set[str]:
+    size, place = _number(trie, node)
+    found = {prefix} if size else set()
+    place += size
+    children = trie[place]
+    place += 1
+    for _ in range(children):
+        edge = _text(trie, place)
+        child, place = _number(trie, place + len(edge) + 1)
+        found |= _trie(trie, child, prefix + edge)
     return found
+
+
+def _number(data: bytes, place: int) -> tuple[int, int]:
+    """Number of groups of seven bits, lowest first, and where it ends."""
+    value, shift = 0, 0
+    while True:
+        value |= (data[place] & 0x7F) << shift
+        shift, place = shift + 7, place + 1
+        if data[place - 1] < 0x80:
+            return value, place

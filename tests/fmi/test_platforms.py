@@ -32,6 +32,7 @@ FOLDERS = {
     2: {"linux64", "aarch64-linux", "win64", "darwin64", "aarch64-darwin"},
     3: {"x86_64-linux", "aarch64-linux", "x86_64-windows", "x86_64-darwin", "aarch64-darwin"},
 }
+LINKER = {"__dso_handle", "_mh_dylib_header"}  # which ziglang's linker for macOS exports of its own accord
 needs_zig = pytest.mark.skipif(not compiler.has_ziglang(), reason="ziglang is not installed (extra zig)")
 
 
@@ -105,7 +106,7 @@ def test_one_file_for_all_platforms(version: int, tmp_path: Path) -> None:
         files = parts(data) if version == 2 and "darwin64" in name else [data]
         assert len(files) == (2 if version == 2 and "darwin64" in name else 1)
         for one in files:
-            assert exported_names(one) == STANDARD[version], name
+            assert exported_names(one) - (LINKER if "darwin" in name else set()) == STANDARD[version], name
             assert str(tmp_path).encode() not in one and str(Path.home()).encode() + b"/" not in one
         if name.endswith(".so"):
             versions = {tuple(map(int, one.split(b"."))) for one in re.findall(rb"GLIBC_([\d.]+)", data)}
@@ -148,12 +149,15 @@ def test_wine_runs_the_windows_library(tmp_path: Path) -> None:
     subprocess.run([*zig, f"-I{headers_folder()}", "-o", str(loader), str(source)], check=True)
     description = read_model_description(str(fmu))
     (x,) = (one.valueReference for one in description.modelVariables if one.name == "x")
-    run = subprocess.run(
-        ["wine", str(loader), str(folder / "binaries" / "win64" / "closed_loop.dll"), description.guid, str(x)],
-        env=os.environ | {"WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all"},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    printed = tmp_path / "printed.txt"
+    with printed.open("w") as output:  # no pipe: wine's server would keep it open
+        subprocess.run(
+            ["wine", str(loader), str(folder / "binaries" / "win64" / "closed_loop.dll"), description.guid, str(x)],
+            env=os.environ | {"WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all"},
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.DEVNULL,
+            check=True,
+        )
     here = simulate_fmu(str(fmu), stop_time=1.0, output_interval=0.01, fmi_type="CoSimulation", output=["x"])
-    assert float(run.stdout) == pytest.approx(here["x"][-1], abs=1e-12)
+    assert float(printed.read_text()) == pytest.approx(here["x"][-1], abs=1e-12)
