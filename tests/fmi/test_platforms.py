@@ -145,7 +145,7 @@ def test_wine_runs_the_windows_library(tmp_path: Path) -> None:
     folder = Path(fmpy.extract(str(fmu), str(tmp_path / "fmu")))
     loader = tmp_path / "loader.exe"
     source = Path(__file__).with_name("windows_loader.c")
-    zig = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu"]
+    zig = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-O2", "-s"]
     subprocess.run([*zig, f"-I{headers_folder()}", "-o", str(loader), str(source)], check=True)
     description = read_model_description(str(fmu))
     (x,) = (one.valueReference for one in description.modelVariables if one.name == "x")
