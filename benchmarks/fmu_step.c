@@ -1,11 +1,17 @@
-/* Time of a co-simulation step through fmi2DoStep, and of the same RK4 step in plain C. See fmu_step.py. */
+/* Time of a co-simulation step through fmi2DoStep or fmi3DoStep, and of the same RK4 step in plain C. See fmu_step.py. */
 #define _POSIX_C_SOURCE 199309L
 #include <stddef.h>
 #include <time.h>
 
 #include "description.h"
-#include "fmi2Functions.h"
 #include "model.h"
+
+#if FMI == 3
+#define FMI3_OVERRIDE_FUNCTION_PREFIX
+#include "fmi3Functions.h"
+#else
+#include "fmi2Functions.h"
+#endif
 
 enum { MOST_STATES = 64 };
 
@@ -61,34 +67,84 @@ static double time_plain(const double *inputs, long steps, double h, double *las
     return seconds;
 }
 
+#if FMI == 3
+static void logger(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message)
+{
+    (void)environment, (void)status, (void)category, (void)message;
+}
+
+static void *make(void)
+{
+    return fmi3InstantiateCoSimulation("one", brunovsky_description.token, "", 0, 0, 0, 0, NULL, 0, NULL, logger, NULL);
+}
+
+static int begin(void *one)
+{
+    return fmi3Reset(one) || fmi3EnterInitializationMode(one, 0, 0, 0, 0, 0);
+}
+
+static int step(void *one, double t, double h)
+{
+    fmi3Boolean event, terminate, early;
+    fmi3Float64 last;
+    return fmi3DoStep(one, t, h, 1, &event, &terminate, &early, &last) != fmi3OK;
+}
+
+#define SET_REAL(one, reference, value) fmi3SetFloat64(one, reference, 1, value, 1)
+#define GET_REAL(one, reference, value) fmi3GetFloat64(one, reference, 1, value, 1)
+#define EXIT_INITIALIZATION fmi3ExitInitializationMode
+#define FREE fmi3FreeInstance
+#else
 static void logger(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                    fmi2String message, ...)
 {
     (void)environment, (void)name, (void)status, (void)category, (void)message;
 }
 
-static int start(fmi2Component one, const double *inputs)
+static void *make(void)
 {
-    const Model *model = &brunovsky_model;
-    int status = fmi2Reset(one) || fmi2SetupExperiment(one, 0, 0, 0, 0, 0) || fmi2EnterInitializationMode(one);
-    for (int i = 0; i < model->nu; i++) {
-        const fmi2ValueReference reference = 3 + (unsigned)(model->np + i);
-        status = status || fmi2SetReal(one, &reference, 1, &inputs[i]);
-    }
-    return status || fmi2ExitInitializationMode(one);
+    static const fmi2CallbackFunctions callbacks = {logger, NULL, NULL, NULL, NULL};
+    return fmi2Instantiate("one", fmi2CoSimulation, brunovsky_description.token, "", &callbacks, 0, 0);
 }
 
-static double time_fmu(fmi2Component one, const double *inputs, long steps, double h, double *last)
+static int begin(void *one)
+{
+    return fmi2Reset(one) || fmi2SetupExperiment(one, 0, 0, 0, 0, 0) || fmi2EnterInitializationMode(one);
+}
+
+static int step(void *one, double t, double h)
+{
+    return fmi2DoStep(one, t, h, fmi2True) != fmi2OK;
+}
+
+#define SET_REAL(one, reference, value) fmi2SetReal(one, reference, 1, value)
+#define GET_REAL(one, reference, value) fmi2GetReal(one, reference, 1, value)
+#define EXIT_INITIALIZATION fmi2ExitInitializationMode
+#define FREE fmi2FreeInstance
+#endif
+
+static int start(void *one, const double *inputs)
+{
+    const Model *model = &brunovsky_model;
+    int failed = begin(one);
+    for (int i = 0; i < model->nu; i++) {
+        const unsigned reference = 3 + (unsigned)(model->np + i);
+        failed = failed || SET_REAL(one, &reference, &inputs[i]);
+    }
+    return failed || EXIT_INITIALIZATION(one);
+}
+
+static double time_fmu(void *one, const double *inputs, long steps, double h, double *last)
 {
     const Model *model = &brunovsky_model;
     int failed = start(one, inputs);
-    const double begin = now();
+    const double begin_time = now();
     for (long i = 0; i < steps; i++)
-        failed |= fmi2DoStep(one, (double)i * h, h, fmi2True) != fmi2OK;
-    const double seconds = now() - begin;
+        failed |= step(one, (double)i * h, h);
+    const double seconds = now() - begin_time;
     for (int i = 0; i < model->nx; i++) {
-        const fmi2ValueReference reference = 3 + (unsigned)(model->np + model->nu + model->ny + i);
-        failed |= fmi2GetReal(one, &reference, 1, &last[i]) != fmi2OK;
+        const unsigned reference = 3 + (unsigned)(model->np + model->nu + model->ny + i);
+        failed |= GET_REAL(one, &reference, &last[i]) != 0;
     }
     return failed ? -1 : seconds;
 }
@@ -98,14 +154,13 @@ static double time_fmu(fmi2Component one, const double *inputs, long steps, doub
 EXPORT int measure(const double *inputs, long steps, double h, int repetitions, double *plain, double *fmu,
                    double *plain_states, double *fmu_states)
 {
-    const fmi2CallbackFunctions callbacks = {logger, NULL, NULL, NULL, NULL};
-    fmi2Component one = fmi2Instantiate("one", fmi2CoSimulation, brunovsky_description.token, "", &callbacks, 0, 0);
+    void *one = make();
     int failed = !one;
     for (int i = 0; i < repetitions && !failed; i++) {
         plain[i] = time_plain(inputs, steps, h, plain_states);
         fmu[i] = time_fmu(one, inputs, steps, h, fmu_states);
         failed = fmu[i] < 0;
     }
-    fmi2FreeInstance(one);
+    FREE(one);
     return failed;
 }

@@ -28,13 +28,13 @@ LIMIT = 2.5
 """The most that a step may cost, in plain steps."""
 
 
-def measure(block: Block, folder: Path) -> dict[str, float]:
-    for path, data in fmu_files(block).items():
+def measure(block: Block, version: int, folder: Path) -> dict[str, object]:
+    for path, data in fmu_files(block, version).items():
         if path.startswith("sources/"):
             (folder / Path(path).name).write_bytes(data)
     target = folder / "measure.so"
-    sources = [Path(__file__).with_suffix(".c"), *(folder / name for name in source_files(2))]
-    compile_library(sources, target, include=[folder, headers_folder()])
+    sources = [Path(__file__).with_suffix(".c"), *(folder / name for name in source_files(version))]
+    compile_library(sources, target, include=[folder, headers_folder()], defines={"FMI": str(version)})
     inputs = np.array([one.start + 0.1 for one in block.inputs])
     plain, fmu = np.empty(REPETITIONS), np.empty(REPETITIONS)
     states, fmu_states = np.empty(len(block.states)), np.empty(len(block.states))
@@ -57,8 +57,10 @@ def measure(block: Block, folder: Path) -> dict[str, float]:
 
 def main() -> None:
     name = sys.argv[1] if len(sys.argv) > 1 else "linearized_robot"
-    with tempfile.TemporaryDirectory() as folder:
-        found = measure(getattr(library, name)(), Path(folder))
+    block, found = getattr(library, name)(), {}
+    for version in (2, 3):
+        with tempfile.TemporaryDirectory() as folder:
+            found[f"fmi{version}"] = measure(block, version, Path(folder))
     settings = {"step_s": STEP, "steps": STEPS, "repetitions": REPETITIONS, "limit": LIMIT}
     versions = {"python": platform.python_version(), "compiler": compiler_version(find_compiler())}
     json.dump({"benchmark": "fmu_step", "block": name, **settings, "versions": versions, **found}, sys.stdout, indent=2)

@@ -83,6 +83,7 @@ Result instance_activate(Instance *instance, unsigned reference, double time)
     engine_tick(engine, clock, 1);
     if (engine_event(engine) != ENGINE_OK || engine_check_finite(engine) != ENGINE_OK) {
         engine_restore(engine, engine->backup);
+        instance_take_back_told(instance);
         return instance_report(instance, FAILED, "%s", engine->message);
     }
     engine->event_due = 0;

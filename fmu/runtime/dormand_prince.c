@@ -165,13 +165,12 @@ static double factor(double error)
 static int differs(const Step *step, double fraction)
 {
     const Engine *e = step->engine;
-    const size_t size = (size_t)e->model->nr * sizeof *e->r;
     int *now = e->r + e->model->nr;
     interpolate(step, fraction, step->inside);
-    memcpy(now, e->r, size);
+    memcpy(now, e->r, (size_t)e->model->nr * sizeof *now);
     inputs_at(e, e->time + fraction * step->size);
     e->model->relations(e->time + fraction * step->size, step->inside, e->u, e->p, e->q, e->m, now);
-    return memcmp(now, e->r, size) != 0;
+    return memcmp(now, e->r, (size_t)e->model->acting * sizeof *now) != 0;
 }
 
 /* Part of the step just after which relations first differ from what they are frozen at, HUGE_VAL if nowhere. */
@@ -182,7 +181,7 @@ static double first_change(const Step *step)
     const double width = location / step->size;
     double before = 0, after = 0;
     size_t k = 0;
-    if (!engine->model->nr)
+    if (!engine->model->acting)
         return HUGE_VAL;
     while (k < sizeof CHECKED / sizeof *CHECKED && !differs(step, CHECKED[k]))
         before = CHECKED[k++];
@@ -229,7 +228,7 @@ static int check_rejected(const Step *step, int steps, double smallest)
     return engine_fail(engine, check, "solver", problem);
 }
 
-static int check_effort(Engine *engine, int steps, int events)
+static int check_effort(Engine *engine, int steps)
 {
     char problem[256];
     if (steps >= MAX_STEPS) {
@@ -239,7 +238,7 @@ static int check_effort(Engine *engine, int steps, int events)
                  MAX_STEPS, engine->step_size);
         return engine_fail(engine, -1, "solver", problem);
     }
-    if (events > MAX_EVENTS) {
+    if (engine->crowded > MAX_EVENTS) {
         snprintf(problem, sizeof problem, "do not end: over %d within %g s; " REMEDY, MAX_EVENTS,
                  CROWD * engine->step_size);
         return engine_fail(engine, -1, "events", problem);
@@ -272,16 +271,20 @@ int dormand_prince_integrate(Engine *engine, double stop)
 {
     const int n = engine->model->nx;
     Step step = {engine, 0, engine->work, engine->work + STAGES * n, engine->work + (STAGES + 1) * n};
-    double window = engine->time, crowd = engine->time, growth = LARGEST_FACTOR;
-    int steps = 0, events = 0, fresh = 1;
+    double window = engine->time, growth = LARGEST_FACTOR;
+    int steps = 0, fresh = 1;
+    if (!engine->pause_at_event) { /* otherwise one call ends at its first event */
+        engine->crowd = engine->time;
+        engine->crowded = 0;
+    }
     while (engine->time < stop) {
         if (engine->time > window + engine->step_size) {
             window = engine->time;
             steps = 0;
         }
-        if (engine->time > crowd + CROWD * engine->step_size) {
-            crowd = engine->time;
-            events = 0;
+        if (engine->time > engine->crowd + CROWD * engine->step_size) {
+            engine->crowd = engine->time;
+            engine->crowded = 0;
         }
         if (fresh) {
             derivatives(&step, engine->time, engine->x, step.slopes);
@@ -312,14 +315,14 @@ int dormand_prince_integrate(Engine *engine, double stop)
         } else {
             if (cut(&step, fraction) != ENGINE_OK)
                 return ENGINE_FAILED;
-            events++;
+            engine->crowded++;
             fresh = 1;
         }
+        if (check_effort(engine, steps) != ENGINE_OK)
+            return ENGINE_FAILED;
         if (engine_pause(engine) != ENGINE_OK)
             return ENGINE_PAUSED;
         fresh = fresh || engine->inputs_set;
-        if (check_effort(engine, steps, events) != ENGINE_OK)
-            return ENGINE_FAILED;
     }
     return ENGINE_OK;
 }

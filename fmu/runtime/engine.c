@@ -18,7 +18,7 @@
 
 static size_t doubles_saved(const Model *model)
 {
-    return 4 + (size_t)(model->nx + 2 * model->nq + (1 + INPUT_ORDERS) * model->nu + model->np);
+    return 5 + (size_t)(model->nx + 2 * model->nq + (1 + INPUT_ORDERS) * model->nu + model->np);
 }
 
 Engine *engine_new(const Model *model, double step_size)
@@ -81,7 +81,7 @@ size_t engine_state_size(const Engine *engine)
 {
     const Model *model = engine->model;
     return doubles_saved(model) * sizeof(double) + (size_t)model->nq * sizeof(long long) +
-           (size_t)(2 + model->nm + model->nr + model->nk) * sizeof(int);
+           (size_t)(3 + model->nm + model->nr + model->nk) * sizeof(int);
 }
 
 static void copy(char **bytes, void *values, size_t size, int restore)
@@ -102,10 +102,12 @@ static void transfer(Engine *engine, char *bytes, int restore)
     copy(&bytes, &engine->start_time, sizeof(double), restore);
     copy(&bytes, &engine->step_size, sizeof(double), restore);
     copy(&bytes, &engine->tolerance, sizeof(double), restore);
-    copy(&bytes, engine->x, (doubles_saved(model) - 4) * sizeof(double), restore); /* with q, u, p, previous and du */
+    copy(&bytes, &engine->crowd, sizeof(double), restore);
+    copy(&bytes, engine->x, (doubles_saved(model) - 5) * sizeof(double), restore); /* with q, u, p, previous and du */
     copy(&bytes, engine->due, (size_t)model->nq * sizeof(long long), restore);
     copy(&bytes, &engine->solver, sizeof(int), restore);
     copy(&bytes, &engine->given, sizeof(int), restore);
+    copy(&bytes, &engine->crowded, sizeof(int), restore);
     copy(&bytes, engine->m, (size_t)model->nm * sizeof(int), restore);
     copy(&bytes, engine->r, (size_t)model->nr * sizeof(int), restore);
     copy(&bytes, engine->active, (size_t)model->nk * sizeof(int), restore);
@@ -124,7 +126,8 @@ void engine_restore(Engine *engine, const void *bytes)
 void engine_reset(Engine *engine)
 {
     const Model *model = engine->model;
-    engine->time = engine->start_time = 0;
+    engine->time = engine->start_time = engine->crowd = 0;
+    engine->crowded = 0;
     for (int i = 0; i < model->nx + model->nq; i++)
         engine->x[i] = 0;
     for (int i = 0; i < model->np; i++)
@@ -177,7 +180,8 @@ int engine_check_parameters(Engine *engine, int model_exchange)
 int engine_start(Engine *engine, double start_time, int model_exchange)
 {
     const Model *model = engine->model;
-    engine->time = engine->start_time = start_time;
+    engine->time = engine->start_time = engine->crowd = start_time;
+    engine->crowded = 0;
     model->start(engine->p, engine->x, engine->q);
     for (int i = 0; i < model->nm; i++)
         engine->m[i] = model->m_start[i];

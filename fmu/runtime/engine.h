@@ -40,6 +40,8 @@ typedef struct {
     int leave_events;   /* events at the end of a step are the master's */
     int pause_at_event; /* the step ends at its first event, which is the master's */
     int event_due;      /* after a step: there is such an event */
+    double crowd;       /* instant from which on Dormand-Prince counts events, against those that do not end */
+    int crowded;        /* how many */
     double *trial;      /* work space: whether it changes anything */
     int clocked;        /* samples of clocks wait for engine_tick */
     int *active;        /* of each clock: it ticks at the present instant */

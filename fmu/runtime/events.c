@@ -15,22 +15,19 @@ static void evaluate_relations(const Engine *e, int *relations)
 int engine_relations_differ(Engine *engine)
 {
     int *now = engine->r + 2 * engine->model->nr;
-    if (!engine->model->nr)
+    if (!engine->model->acting)
         return 0;
     evaluate_relations(engine, now);
-    return memcmp(now, engine->r, (size_t)engine->model->nr * sizeof *now) != 0;
+    return memcmp(now, engine->r, (size_t)engine->model->acting * sizeof *now) != 0;
 }
 
 void engine_relations(Engine *engine)
 {
-    if (!engine->model->nr)
-        return;
-    if (!engine->observe) {
+    const int switched = engine->observe && engine_relations_differ(engine);
+    if (engine->model->nr)
         engine->model->relations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m, engine->r);
-    } else if (engine_relations_differ(engine)) {
-        evaluate_relations(engine, engine->r);
+    if (switched)
         engine->observe(engine->observer, ENGINE_SWITCHED);
-    }
 }
 
 int engine_event_matters(Engine *e)

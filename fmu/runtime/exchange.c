@@ -17,6 +17,7 @@ Result instance_set_time(Instance *instance, double time)
     if (!isfinite(time))
         return instance_report(instance, FAILED, "time cannot be set to %g: it is not finite", time);
     instance->engine->time = time;
+    instance->relations_current = 0;
     instance_outdate(instance);
     return DONE;
 }
@@ -105,10 +106,9 @@ Result instance_complete_step(Instance *instance, int *event_needed)
 {
     const Engine *engine = instance->engine;
     const Model *model = engine->model;
-    const size_t size = (size_t)model->nr * sizeof *instance->r;
-    memcpy(instance->r, engine->r, size);
+    memcpy(instance->r, engine->r, (size_t)model->nr * sizeof *instance->r);
     model->relations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m, instance->r);
-    *event_needed = memcmp(instance->r, engine->r, size) != 0;
+    *event_needed = memcmp(instance->r, engine->r, (size_t)model->acting * sizeof *instance->r) != 0;
     engine_indicators(instance->engine, instance->z);
     for (int i = 0; i < model->nz; i++)
         if (!instance->side[i])

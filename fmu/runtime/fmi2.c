@@ -430,13 +430,19 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 
 #define STATUS_PHASES (STEP | TERMINATED)
 
+/* A status that there is none of is discarded, so says the standard. */
+static fmi2Status unavailable(const Fmu *fmu, const char *function, const char *problem)
+{
+    return status_of(fmu, function, instance_report(fmu->instance, DISCARDED, "%s", problem));
+}
+
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
 {
     const Fmu *fmu = c;
     if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2DoStepStatus)
-        return fail(fmu, __func__, "only fmi2DoStepStatus is a status");
+        return unavailable(fmu, __func__, "only fmi2DoStepStatus is a status");
     *value = (fmi2Status)fmu->last_step;
     return fmi2OK;
 }
@@ -447,7 +453,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
     if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2LastSuccessfulTime)
-        return fail(fmu, __func__, "only fmi2LastSuccessfulTime is a Real status");
+        return unavailable(fmu, __func__, "only fmi2LastSuccessfulTime is a Real status");
     *value = fmu->instance->engine->time;
     return fmi2OK;
 }
@@ -459,7 +465,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
     (void)value;
     if (refused_simulation(fmu, __func__, STATUS_PHASES))
         return fmi2Error;
-    return fail(fmu, __func__, "there is no Integer status");
+    return unavailable(fmu, __func__, "there is no Integer status");
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
@@ -468,7 +474,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
     if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2Terminated)
-        return fail(fmu, __func__, "only fmi2Terminated is a Boolean status");
+        return unavailable(fmu, __func__, "only fmi2Terminated is a Boolean status");
     *value = fmi2False;
     return fmi2OK;
 }
@@ -479,7 +485,7 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
     if (refused_simulation(fmu, __func__, STATUS_PHASES) || missing(fmu, __func__, 1, value, value))
         return fmi2Error;
     if (s != fmi2PendingStatus)
-        return fail(fmu, __func__, "only fmi2PendingStatus is a String status");
+        return unavailable(fmu, __func__, "only fmi2PendingStatus is a String status");
     *value = "";
     return fmi2OK;
 }

@@ -88,8 +88,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     fmu = instantiate(__func__, CO_SIMULATION, instanceName, instantiationToken, loggingOn, instanceEnvironment, logMessage);
     if (!fmu)
         return NULL;
-    fmu->instance->event_mode = eventModeUsed;
-    fmu->instance->early_return = earlyReturnAllowed;
+    instance_use_events(fmu->instance, eventModeUsed, earlyReturnAllowed);
     if (intermediateUpdate) {
         Listener listener = fmu->instance->listener;
         fmu->update = (void (*)(void))intermediateUpdate;
@@ -97,6 +96,15 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         instance_listen(fmu->instance, listener);
     }
     return fmu;
+}
+
+/* Whether nothing but ticks of clocks makes the block act. */
+static int clocks_alone(void)
+{
+    for (int i = 0; i < brunovsky_model.nq; i++)
+        if (!brunovsky_model.nk || brunovsky_model.q_clock[i] < 0)
+            return 0;
+    return brunovsky_model.nk && !brunovsky_model.nx;
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
@@ -107,23 +115,29 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption)
 {
     const Logger logger = {write_log, (void (*)(void))logMessage, instanceEnvironment, instanceName ? instanceName : "?"};
+    Fmu *fmu;
     (void)resourcePath;
     (void)visible;
     (void)clockUpdate;
-    (void)lockPreemption;
-    (void)unlockPreemption;
-    if (!brunovsky_model.nk || brunovsky_model.nx) {
+    if (!clocks_alone()) {
         fmu_log(&logger, STATUS_ERROR, "logStatusError",
-                "%s: scheduled execution is for blocks with clocks and without continuous states", __func__);
+                "%s: scheduled execution is for blocks with clocks, without continuous states or other samples", __func__);
         return NULL;
     }
-    return instantiate(__func__, SCHEDULED_EXECUTION, instanceName, instantiationToken, loggingOn, instanceEnvironment,
-                       logMessage);
+    fmu = instantiate(__func__, SCHEDULED_EXECUTION, instanceName, instantiationToken, loggingOn, instanceEnvironment,
+                      logMessage);
+    if (fmu && lockPreemption && unlockPreemption) {
+        fmu->lock = lockPreemption;
+        fmu->unlock = unlockPreemption;
+    }
+    return fmu;
 }
 
 void fmi3FreeInstance(fmi3Instance instance)
 {
-    fmu_free(instance);
+    const Fmu *fmu = instance;
+    if (fmu && !fmu_refused(fmu, __func__, ANY_PHASE & ~INTERMEDIATE)) /* the step under way needs it */
+        fmu_free(instance);
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,

@@ -16,6 +16,20 @@ static inline fmi3Status fail(const Fmu *fmu, const char *function, const char *
     return (fmi3Status)fmu_fail(fmu, function, problem);
 }
 
+/* Scheduled execution: partitions share work space, so none interrupts another, nor a master's reading and setting. */
+static inline void lock(const Fmu *fmu)
+{
+    if (fmu->lock)
+        fmu->lock();
+}
+
+static inline fmi3Status unlock(const Fmu *fmu, fmi3Status status)
+{
+    if (fmu->lock)
+        fmu->unlock();
+    return status;
+}
+
 static inline fmi3Status status_of(const Fmu *fmu, const char *function, Result result)
 {
     return (fmi3Status)fmu_status(fmu, function, result);

@@ -134,5 +134,6 @@ fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference 
     const Fmu *fmu = instance;
     if (fmu_refused(fmu, __func__, ACTIVATION))
         return fmi3Error;
-    return status_of(fmu, __func__, instance_activate(fmu->instance, clockReference, activationTime));
+    lock(fmu);
+    return unlock(fmu, status_of(fmu, __func__, instance_activate(fmu->instance, clockReference, activationTime)));
 }

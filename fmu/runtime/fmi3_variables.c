@@ -45,15 +45,16 @@ static int miscounted(const Fmu *fmu, const char *function, const fmi3ValueRefer
         fmu_missing(fmu, __func__, nValueReferences, valueReferences, values) ||                                      \
         miscounted(fmu, __func__, valueReferences, nValueReferences, nValues))                                        \
         return fmi3Error;                                                                                             \
+    lock(fmu);                                                                                                        \
     for (size_t i = 0; i < nValueReferences; i++)                                                                     \
         for (unsigned k = 0; k < span(valueReferences[i]); k++) {                                                     \
             double number;                                                                                            \
             const Result result = instance_get(fmu->instance, TYPES, valueReferences[i] + k, &number);                \
             if (result != DONE)                                                                                       \
-                return status_of(fmu, __func__, result);                                                              \
+                return unlock(fmu, status_of(fmu, __func__, result));                                                 \
             values[next++] = (VALUE)number;                                                                           \
         }                                                                                                             \
-    return fmi3OK
+    return unlock(fmu, fmi3OK)
 
 /* All values are checked before the first one is set. */
 #define SET(TYPES)                                                                                                    \
@@ -63,18 +64,19 @@ static int miscounted(const Fmu *fmu, const char *function, const fmi3ValueRefer
         fmu_missing(fmu, __func__, nValueReferences, valueReferences, values) ||                                      \
         miscounted(fmu, __func__, valueReferences, nValueReferences, nValues))                                        \
         return fmi3Error;                                                                                             \
+    lock(fmu);                                                                                                        \
     for (size_t i = 0; i < nValueReferences; i++)                                                                     \
         for (unsigned k = 0; k < span(valueReferences[i]); k++) {                                                     \
             const Result result =                                                                                     \
                 instance_admits(fmu->instance, TYPES, valueReferences[i] + k, (double)values[next++]);                \
             if (result != DONE)                                                                                       \
-                return status_of(fmu, __func__, result);                                                              \
+                return unlock(fmu, status_of(fmu, __func__, result));                                                 \
         }                                                                                                             \
     next = 0;                                                                                                         \
     for (size_t i = 0; i < nValueReferences; i++)                                                                     \
         for (unsigned k = 0; k < span(valueReferences[i]); k++)                                                       \
             instance_set(fmu->instance, valueReferences[i] + k, (double)values[next++]);                              \
-    return fmi3OK
+    return unlock(fmu, fmi3OK)
 
 #define GETTER(NAME, VALUE)                                                                                            \
     fmi3Status fmi3Get##NAME(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences, \
@@ -198,14 +200,17 @@ static fmi3Status multiply(const Fmu *fmu, const char *function, Product *produc
                            size_t nUnknowns, size_t unknown_values, const fmi3ValueReference knowns[], size_t nKnowns,
                            size_t known_values, const fmi3Float64 seed[], fmi3Float64 sensitivity[])
 {
+    const int adjoint = product == instance_adjoint;
     const unsigned *rows, *columns;
     fmi3Status status;
     if (fmu_refused(fmu, function, READABLE & ~INTERMEDIATE) || fmu_missing(fmu, function, nUnknowns, unknowns, unknowns) ||
         fmu_missing(fmu, function, nKnowns, knowns, knowns) ||
-        fmu_missing(fmu, function, nKnowns && nUnknowns, seed, sensitivity) ||
+        fmu_missing(fmu, function, adjoint ? unknown_values : known_values, seed, seed) ||
+        fmu_missing(fmu, function, adjoint ? known_values : unknown_values, sensitivity, sensitivity) ||
         miscounted(fmu, function, unknowns, nUnknowns, unknown_values) ||
         miscounted(fmu, function, knowns, nKnowns, known_values))
         return fmi3Error;
+    lock(fmu);
     rows = scalars(unknowns, nUnknowns, unknown_values);
     columns = scalars(knowns, nKnowns, known_values);
     if ((!rows && nUnknowns) || (!columns && nKnowns))
@@ -215,7 +220,7 @@ static fmi3Status multiply(const Fmu *fmu, const char *function, Product *produc
                                                   sensitivity));
     release(rows, unknowns);
     release(columns, knowns);
-    return status;
+    return unlock(fmu, status);
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,

@@ -109,7 +109,7 @@ int fmu_set_logging(Fmu *fmu, const char *function, int on, size_t count, const 
         }
         bits |= CATEGORIES[k].bits;
     }
-    fmu->logged = (on ? fmu->logged | bits : fmu->logged & ~bits) | fmu->always;
+    fmu->logged = (on ? bits : fmu->logged & ~bits) | fmu->always; /* what is not listed is not asked for */
     listen_for(fmu);
     return STATUS_OK;
 }

@@ -28,7 +28,8 @@ typedef struct {
     int logged;  /* categories that are switched on */
     int always;  /* those that cannot be switched off */
     int last_step;
-    void (*update)(void); /* callback of FMI 3, during a step */
+    void (*update)(void); /* callbacks of FMI 3: during a step; */
+    void (*lock)(void), (*unlock)(void); /* around what another model partition must not interrupt, or null pointers */
 } Fmu;
 
 /* A null pointer, with a message, if the token is another one or memory is out. */

@@ -46,8 +46,19 @@ Instance *instance_new(Interface interface)
     instance->modes_before = instance->r + model->nr;
     instance->told = instance->modes_before + model->nm;
     instance->interface = interface;
+    instance_use_events(instance, 0, 0);
     instance_reset(instance);
     return instance;
+}
+
+void instance_use_events(Instance *instance, int event_mode, int early_return)
+{
+    Engine *engine = instance->engine;
+    instance->event_mode = event_mode;
+    instance->early_return = early_return;
+    engine->leave_events = event_mode;
+    engine->pause_at_event = event_mode && early_return;
+    engine->clocked = event_mode || instance->interface != CO_SIMULATION;
 }
 
 void instance_free(Instance *instance)
@@ -190,12 +201,8 @@ Result instance_set_up(Instance *instance, double start, double stop, double tol
 
 void instance_enter_initialization(Instance *instance)
 {
-    Engine *engine = instance->engine;
     instance->phase = INITIALIZATION;
     instance->started = 0;
-    engine->leave_events = instance->event_mode;
-    engine->pause_at_event = instance->event_mode && instance->early_return;
-    engine->clocked = instance->event_mode || instance->interface != CO_SIMULATION;
 }
 
 void instance_choose_sides(Instance *instance)

@@ -74,6 +74,8 @@ typedef struct {
 } Event;
 
 Instance *instance_new(Interface interface); /* NULL if out of memory */
+/* Whether the master of a co-simulation uses event mode, and lets steps end early; once, after instance_new. */
+void instance_use_events(Instance *instance, int event_mode, int early_return);
 void instance_free(Instance *instance);
 void instance_reset(Instance *instance);
 /* What is told of and asked from now on. */
@@ -136,6 +138,8 @@ Result instance_recognizes(Instance *instance, const void *bytes, size_t size);
 /* For the files that make up an instance. */
 /* Tells what is true at the end of initialization: nothing is known before, and modes have their start values. */
 void instance_tell_start(Instance *instance);
+/* After the values from before a failure are restored: what was told meanwhile is not so. */
+void instance_take_back_told(Instance *instance);
 /* Sides of the indicators, on which the relations now frozen were decided. */
 void instance_choose_sides(Instance *instance);
 Result instance_report(Instance *instance, Result result, const char *format, ...);

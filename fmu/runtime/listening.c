@@ -79,6 +79,12 @@ void instance_listen(Instance *instance, Listener listener)
     instance->engine->observe = listener.tell || listener.ask ? observe : NULL;
 }
 
+void instance_take_back_told(Instance *instance)
+{
+    if (instance->listener.tell)
+        instance_listen(instance, instance->listener);
+}
+
 void instance_tell_start(Instance *instance)
 {
     const Model *model = instance->engine->model;

@@ -31,6 +31,7 @@ typedef struct {
     int (*start_check)(const double *p, int model_exchange);          /* index of the first check that fails, or -1 */
     int (*failure_check)(ARGUMENTS);                                  /* the same, of those that explain a failed step */
     const char *const *check_names, *const *check_messages;
+    int acting; /* relations that act between samples, the first ones; the others are read by updates alone */
     int nk; /* clocks */
     const char *const *k_names;
     const int *k_parameter;  /* index of the parameter that is the period of a clock, -1 where this is a number */

@@ -112,8 +112,8 @@ static Result prepare(Instance *instance)
         result = differentiate_start(instance);
     if (result != DONE)
         return result;
-    if (!instance->entries_current && instance->phase == EVENT)
-        instance->ticking = differentiate_ticks(instance);
+    if (!instance->entries_current)
+        instance->ticking = instance->phase == EVENT && differentiate_ticks(instance);
     if (!instance->entries_current)
         brunovsky_jacobian.differentiate_equations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m,
                                                    engine->r, instance->sensitivity->equations);

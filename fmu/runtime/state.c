@@ -4,7 +4,7 @@
 
 #include "instance.h"
 
-#define VERSION 2 /* of the bytes; a change of what they mean changes it */
+#define VERSION 3 /* of the bytes; a change of what they mean changes it */
 
 typedef struct {
     char magic[16], token[48];

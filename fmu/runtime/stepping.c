@@ -54,8 +54,7 @@ Result instance_step(Instance *instance, double time, double length)
     }
     engine->time = before;
     instance->relations_current = relations_before;
-    if (instance->listener.tell)
-        instance_listen(instance, instance->listener);
+    instance_take_back_told(instance);
     return instance_report(instance, DISCARDED, "%s", engine->message);
 }
 
@@ -81,6 +80,7 @@ Result instance_event(Instance *instance, Event *event)
     memcpy(instance->modes_before, engine->m, nm);
     if (engine_event(engine) != ENGINE_OK) {
         engine_restore(engine, engine->backup);
+        instance_take_back_told(instance);
         return instance_report(instance, FAILED, "%s", engine->message);
     }
     engine->event_due = 0;

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from brunovsky import blocks
 from brunovsky.blocks import Block, Diagram, linearized_block
 from brunovsky.errors import BrunovskyError
-from brunovsky.fmi import component, export_fmu
+from brunovsky.fmi import check_fmu, component, export_fmu
 from brunovsky.linearization import (
     AffineSystem,
     Linearization,
@@ -41,6 +41,7 @@ __all__ = [
     "Linearization",
     "analysis",
     "blocks",
+    "check_fmu",
     "component",
     "disturbance_map",
     "export_fmu",

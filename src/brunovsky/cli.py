@@ -1,4 +1,4 @@
-"""The command line: derive, build, analyze, compare, list.
+"""The command line: derive, build, check, analyze, compare, list.
 
 Exit status 0 on success, 1 on a failed check or a comparison all of whose runs failed, 2 on unusable input, 130 on
 Ctrl-C, with one readable line and no traceback unless ``--debug``.
@@ -22,8 +22,9 @@ from rich.table import Table
 import brunovsky as br
 from brunovsky._resources import resource
 from brunovsky._suggest import unknown_name
-from brunovsky.errors import BrunovskyError
+from brunovsky.errors import BrunovskyError, ParameterError
 from brunovsky.fmi import export_fmu, shipped_fmus
+from brunovsky.fmi.checks.table import check_summary, check_table
 from brunovsky.fmi.contents import FMI_VERSIONS
 from brunovsky.fmi.platforms import HOST, chosen_platforms
 from brunovsky.fmi.platforms import NAMES as PLATFORMS
@@ -149,6 +150,43 @@ def _versions(name: str, block: br.Block) -> list[int]:
     """Versions of FMI that a block is built in by default."""
     listed = [version for version in FMI_VERSIONS if name in shipped_fmus(version)]
     return listed or ([3] if block.clocks else list(FMI_VERSIONS))
+
+
+@app.command()
+def check(
+    fmus: Annotated[list[Path], typer.Argument(metavar="FMU...", help="FMUs of any tool, FMI 2.0 or 3.0.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Make illegal calls too; FMUs made here always get them.")
+    ] = False,
+    static: Annotated[bool, typer.Option("--static", help="Look at file and description only; run nothing.")] = False,
+    time_limit: Annotated[float, typer.Option("--time-limit", help="Seconds that one check may take.")] = 60.0,
+) -> None:
+    """Check FMUs: the file, the description, and a run in a process of its own."""
+    reports, unusable = [], []
+    with _progress() as progress:
+        task = progress.add_task("checking FMUs", total=len(fmus))
+        for path in fmus:
+            progress.update(task, description=escape(f"checking {path.name}"))
+            try:
+                reports.append(br.check_fmu(path, strict=strict, run=not static, time_limit=time_limit))
+            except ParameterError:
+                raise
+            except BrunovskyError as error:
+                unusable.append({"path": str(path), "unusable": str(error)})
+            progress.advance(task)
+        progress.update(task, description="checking FMUs")
+    if as_json:
+        listed = [*(one.as_dict() for one in reports), *unusable]
+        sys.stdout.write(json.dumps(listed, indent=2, allow_nan=False) + "\n")
+    else:
+        for report in reports:
+            _out.print(check_table(report))
+            _say(check_summary(report) + "\n")
+    for one in unusable:
+        _err.print(f"brunovsky: {escape(one['unusable'])}", soft_wrap=True)
+    if unusable or not all(report.passed for report in reports):
+        sys.exit(2 if unusable else 1)
 
 
 @app.command()

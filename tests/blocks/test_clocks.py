@@ -137,3 +137,21 @@ def test_nominal_values_are_positive(value: object) -> None:
     ):
         with pytest.raises(ParameterError, match="nominal value of 'a' is"):
             Block("bad", **parts)  # type: ignore[arg-type]
+
+
+def test_a_relation_that_only_samples_read_is_no_state_event() -> None:
+    block = Block(
+        "mixed",
+        inputs=(Input("u"),),
+        states=(State("x", derivative=sp.sign(x - 1) + held),),
+        samples=(Sample("held", update=sp.sign(u) * sp.Abs(x), period=sp.Rational(1, 10)),),
+        outputs=(Output("held", expression=held),),
+    )
+    assert block.indicators == (x - 1,)
+    assert len(block.relations) > len(block.acting_relations)
+    assert block.relations[: len(block.acting_relations)] == block.acting_relations
+    assert br.blocks.library.sliding_mode_sampled().indicators == ()
+    options = {"step_size": 0.25, "inputs": {"u": np.cos}, "solver": "dormand_prince"}
+    found, plain = (br.simulate(block, 5.0, engine=engine, **options) for engine in ("native", "numpy"))
+    np.testing.assert_allclose(found["x"], plain["x"], rtol=1e-12, atol=1e-12)
+    assert float(found["held"].max() - found["held"].min()) > 1

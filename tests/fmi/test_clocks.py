@@ -1,13 +1,15 @@
 """The four forms of the sliding-mode controller, in every way that FMI 3 runs them, against their native simulation."""
 
-from ctypes import c_double, c_int, c_uint
+from ctypes import CFUNCTYPE, c_double, c_int, c_uint
+from functools import partial
 
 import numpy as np
 import pytest
 from masters import in_event_mode, in_model_exchange, in_scheduled_execution, initialize, read, tick, write
 
 import brunovsky as br
-from brunovsky.blocks import library
+from brunovsky.blocks import Block, Clock, Input, Output, Sample, library, symbols
+from brunovsky.fmi.instances import FMU3ScheduledComponent
 
 PERIOD = 0.01
 TIMES = [index * PERIOD for index in range(101)]
@@ -145,6 +147,24 @@ def test_a_state_saved_during_a_tick_restores_it(ticking):
     ticking.freeFMUState(state)
 
 
+def test_a_state_goes_on_in_a_fresh_instance(ticking):
+    """Between ticks the law is held there too, through instants at which the period would sample it."""
+    tick(ticking, ["sampling"])
+    ticking.updateDiscreteStates()
+    ticking.enterStepMode()
+    ticking.doStep(0.0, 0.015)
+    law, state = read(ticking, ["v[1]"]), ticking.serializeFMUState(ticking.getFMUState())
+    with br.component(library.sliding_mode_clocked(), 3, event_mode_used=True) as fresh:
+        fresh.setFMUState(fresh.deserializeFMUState(state))
+        write(fresh, {"Z1[1]": 0.01})
+        fresh.doStep(0.015, 0.05)
+        assert read(fresh, ["v[1]", "time"]) == [*law, 0.065]
+        fresh.enterEventMode()
+        tick(fresh, ["sampling"])
+        fresh.updateDiscreteStates()
+        assert read(fresh, ["v[1]"]) != law
+
+
 def test_derivatives_of_the_law_are_those_of_the_tick(ticking):
     law, error = [ticking.references["v[1]"]], [ticking.references[one] for one in ("Z1[1]", "Z1[3]", "zd3[1]")]
     assert ticking.getDirectionalDerivative(law, error, [1.0, 1.0, 1.0]) == [0.0]
@@ -162,6 +182,32 @@ def test_derivatives_of_the_law_are_those_of_the_tick(ticking):
     assert found[0] != 0 and found[2] == pytest.approx(1.0)
     ticking.updateDiscreteStates()
     assert ticking.getDirectionalDerivative(law, error, [1.0, 1.0, 1.0]) == [0.0]
+
+
+@pytest.fixture
+def timed_and_clocked():
+    a, b, u = symbols("a", "b", "u")
+    return Block(
+        "timed_and_clocked",
+        inputs=(Input("u"),),
+        clocks=(Clock("tick", period=0.1),),
+        samples=(Sample("a", update=u, period=0.1), Sample("b", update=u, clock="tick")),
+        outputs=(Output("a", expression=a), Output("b", expression=b)),
+    )
+
+
+def test_derivatives_after_a_tick_know_nothing_of_it(timed_and_clocked):
+    """A reset during a tick: the sample that initialization takes at its period is held afterwards."""
+    with br.component(timed_and_clocked, 3, event_mode_used=True) as one:
+        unknowns, known = [one.references["a"], one.references["b"]], [one.references["u"]]
+        initialize(one)
+        tick(one, ["tick"])
+        assert one.getDirectionalDerivative(unknowns, known, [1.0]) == [0.0, 1.0]
+        one.reset()
+        one.enterInitializationMode()
+        assert one.getDirectionalDerivative(unknowns, known, [1.0]) == [1.0, 0.0]
+        one.exitInitializationMode()
+        assert one.getDirectionalDerivative(unknowns, known, [1.0]) == [0.0, 0.0]
 
 
 def test_the_law_depends_on_what_it_samples_and_on_the_clock(ticking):
@@ -202,6 +248,39 @@ def test_scheduled_execution_goes_forward_only():
         with pytest.raises(br.BrunovskyError, match="not Clock"):
             one.activateModelPartition(one.references["Z1[1]"], 2.0)
         one.terminate()
+
+
+def test_a_partition_is_not_interrupted():
+    """Every call that uses the memory of the instance is between the master's lock and unlock, failed ones too."""
+    calls = []
+    lock, unlock = (CFUNCTYPE(None)(partial(calls.append, name)) for name in ("lock", "unlock"))
+    with br.component(library.sliding_mode_clocked(), 3, "ScheduledExecution") as one:
+        own, token = one.component, one.model_description.instantiationToken.encode()
+        options = (b"two", token, b"", False, False, None, one.logMessage, one.clockUpdate, lock, unlock)
+        one.component = one.fmi3InstantiateScheduledExecution(*options)
+        initialize(one, {"Z1[1]": 0.001})
+        for call in (
+            lambda: write(one, {"Z1[1]": 0.002}),
+            lambda: one.activateModelPartition(one.references["sampling"], 0.0),
+            lambda: read(one, ["v[1]"]),
+            lambda: one.getDirectionalDerivative([one.references["v[1]"]], [one.references["Z1[1]"]], [1.0]),
+        ):
+            calls.clear()
+            call()
+            assert calls == ["lock", "unlock"]
+        calls.clear()
+        with pytest.raises(br.BrunovskyError, match="later"):
+            one.activateModelPartition(one.references["sampling"], 0.0)
+        with pytest.raises(br.BrunovskyError, match="not finite"):
+            write(one, {"Z1[1]": float("nan")})
+        assert calls == ["lock", "unlock"] * 2
+        one.fmi3FreeInstance(one.component)
+        one.component = own
+
+
+def test_scheduled_execution_is_for_clocks_alone(timed_and_clocked):
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        FMU3ScheduledComponent(timed_and_clocked)
 
 
 def test_clock_functions_are_refused_outside_event_mode():

@@ -9,7 +9,7 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
-from brunovsky.blocks import library
+from brunovsky.blocks import TIME, Block, Output, library
 from brunovsky.fmi import ComponentError, component
 
 CLASSES = [(version, kind) for version in (2, 3) for kind in ("CoSimulation", "ModelExchange")]
@@ -108,6 +108,22 @@ def test_it_gives_derivatives(version, kind):
             assert found == pytest.approx(_values(one, "Z1[2]", "Z1[3]"))
 
 
+@pytest.mark.parametrize("name", ["Directional", "Adjoint"])
+@pytest.mark.parametrize("unknowns", [0, 1])
+def test_derivatives_of_nothing_need_their_arrays_too(name, unknowns):
+    """An unknown without a known, or the other way round: one of seed and result has a value, but is a null pointer."""
+    with component(library.linearized_robot(), 3) as one:
+        _start(one)
+        counts = (unknowns, 1 - unknowns)
+        seeds, results = counts if name == "Adjoint" else counts[::-1]
+        references = [(ctypes.c_uint * 1)(one.references[each]) for each in ("eta[1]", "d[1]")]
+        lists = [each for pair in zip(references, map(ctypes.c_size_t, counts), strict=True) for each in pair]
+        derivative = getattr(one.dll, f"fmi3Get{name}Derivative")
+        empty = None, ctypes.c_size_t(seeds), None, ctypes.c_size_t(results)
+        assert derivative(ctypes.c_void_p(one.component), *lists, *empty) == 3
+        assert "null pointer" in str(one.messages)
+
+
 def test_dependencies_of_fmi_3_are_those_of_the_description():
     kinds = ["independent", "constant", "fixed", "tunable", "discrete", "dependent"]
     with component(library.closed_loop(), 3) as one:
@@ -164,3 +180,15 @@ def test_options_of_co_simulation_reach_the_fmu(ball):
             one.enterStepMode()
     assert time == pytest.approx(math.sqrt(2 / 9.81), abs=2e-3)
     assert seen and all(can for _, can in seen) and max(at for at, _ in seen) <= time
+
+
+def test_outputs_in_event_mode_are_those_of_the_time_set_there():
+    block = Block("alarm", outputs=(Output("late", expression=TIME > 1),))
+    with component(block, 2, "ModelExchange") as one:
+        one.setupExperiment()
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        late = [one.references["late"]]
+        assert one.getBoolean(late) == [0]
+        one.setTime(1.5)
+        assert one.getBoolean(late) == [1]

@@ -71,6 +71,26 @@ def test_without_early_return_events_within_a_step_are_handled_there(relay_loop)
         assert read(one, ["x", "speed"]) == pytest.approx([0.0, 1.0], abs=1e-7)
 
 
+def test_events_that_do_not_end_are_an_error_though_each_step_ends_at_one():
+    with _component(library.closed_loop()) as one:
+        initialize(one, {"phi": 0.0}, solver=DORMAND_PRINCE, start=-10.0)
+        one.updateDiscreteStates()
+        one.enterStepMode()
+        times = [-10.0]
+        with pytest.raises(br.BrunovskyError, match="events do not end: over 200 within") as caught:
+            while len(times) < 1000:
+                times.append(one.doStep(times[-1], 0.01)[3])
+                one.enterEventMode()
+                one.updateDiscreteStates()
+                one.enterStepMode()
+        assert caught.value.status == DISCARD
+        time = times[-1]
+        assert time > -9.0
+        assert time - times[-200] < 1e-6
+        write(one, {"phi": 0.05})
+        assert one.doStep(time, 0.01)[3] == pytest.approx(time + 0.01)
+
+
 @pytest.mark.parametrize("solver", [1, DORMAND_PRINCE])
 def test_events_come_at_the_instants_of_the_native_simulation(relay_loop, solver):
     times = [0.0, 0.35, 0.5, 1.3]

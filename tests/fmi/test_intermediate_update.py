@@ -133,6 +133,17 @@ def test_what_is_not_allowed_within_a_step_is_refused(integrator):
     assert "not finite" in refused[5]
 
 
+def test_an_instance_cannot_be_freed_within_its_step(integrator):
+    def free(one, time, early, until):
+        one.dll.fmi3FreeInstance(one.component)
+
+    with Master(free).component(integrator) as one:
+        initialize(one, {"u": 1.0})
+        one.doStep(0.0, STEP_SIZE)
+        assert "fmi3FreeInstance is not allowed" in str(one.messages)
+        assert read(one, ["x"])[0] == pytest.approx(STEP_SIZE)
+
+
 def test_a_step_that_fails_after_the_master_was_asked_is_undone_whole():
     step = 2.0**-10  # so that eta[1] is zero without rounding after two internal steps
     start = {"eta_min": 0.0, "eta_start[1]": 2 * step, "eta_start[2]": 0.0, "u_start[1]": -1.0, "step_size": step}

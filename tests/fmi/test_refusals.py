@@ -6,7 +6,7 @@ import math
 
 import pytest
 import sympy as sp
-from fmu_driver import ERROR, FUNCTIONS, OK, Driver
+from fmu_driver import DISCARD, ERROR, FUNCTIONS, OK, Driver
 
 from brunovsky.blocks import Block, Check, Mode, Output, Parameter, Transition, library, symbols
 from brunovsky.errors import ModelError
@@ -230,67 +230,6 @@ def test_a_failure_near_the_singularity_that_has_another_cause_does_not_blame_it
     assert instance.text.endswith("the step would take over a billion substeps at t = 0 s")
 
 
-PHASES = {
-    "instantiated": lambda one: None,
-    "in initialization mode": lambda one: one.done("EnterInitializationMode"),
-    "between communication steps": lambda one: one.initialize(),
-    "terminated": lambda one: (one.initialize(), one.done("Terminate")),
-}
-EXCHANGE_PHASES = {
-    "in event mode": lambda one: one.initialize(),
-    "in continuous-time mode": lambda one: (one.initialize(), one.enter_continuous_time()),
-}
-READABLE = {"GetReal", "GetInteger", "GetBoolean", "GetString", "GetDirectionalDerivative"}
-SETTABLE = {"SetReal", "SetInteger", "SetBoolean", "SetString"}
-ALWAYS = {
-    "SetDebugLogging", "Reset", "GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializedFMUstateSize",
-    "SerializeFMUstate", "DeSerializeFMUstate",
-}  # fmt: skip
-STATUS = {"GetStatus", "GetRealStatus", "GetIntegerStatus", "GetBooleanStatus", "GetStringStatus"}
-STATES = {"GetContinuousStates", "GetDerivatives", "GetEventIndicators", "GetNominalsOfContinuousStates"}
-ALLOWED = {
-    "instantiated": {"SetupExperiment", "EnterInitializationMode", "SetRealInputDerivatives"} | SETTABLE,
-    "in initialization mode": {"ExitInitializationMode", "SetRealInputDerivatives"} | READABLE | SETTABLE,
-    "between communication steps": READABLE | SETTABLE | STATUS | {
-        "DoStep", "CancelStep", "Terminate", "SetRealInputDerivatives", "GetRealOutputDerivatives"
-    },
-    "terminated": READABLE | STATUS | {"GetRealOutputDerivatives"},
-    "in event mode": READABLE | SETTABLE | STATES | {
-        "EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "SetTime", "Terminate"
-    },
-    "in continuous-time mode": READABLE | STATES | {
-        "SetReal", "EnterEventMode", "CompletedIntegratorStep", "SetTime", "SetContinuousStates", "Terminate"
-    },
-}  # fmt: skip
-STATELESS = {"GetTypesPlatform", "GetVersion", "Instantiate", "FreeInstance"}
-
-
-@pytest.mark.parametrize("phase", [*PHASES, *EXCHANGE_PHASES])
-def test_each_function_is_refused_where_the_standard_does_not_allow_it(robot, phase):
-    kind = "CoSimulation" if phase in PHASES else "ModelExchange"
-    zeros = [ctypes.c_size_t(0)] * 6
-    for function in FUNCTIONS:
-        if function in ALLOWED[phase] | ALWAYS | STATELESS:
-            continue
-        with Driver(robot.folder, kind) as one:
-            (PHASES | EXCHANGE_PHASES)[phase](one)
-            assert one.call(function, *zeros) == ERROR, function
-            kind_name = "co-simulation" if phase in PHASES else "model-exchange"
-            expected = f"logStatusError fmi2{function} is not allowed while a {kind_name} instance is {phase}"
-            assert one.text == expected
-            _after_refusal(one, phase)
-
-
-def _after_refusal(one, phase):
-    if phase == "between communication steps":
-        assert one.step(0.0, 0.01) == OK
-    if phase == "instantiated":
-        one.initialize()
-    if phase == "in event mode":
-        one.enter_continuous_time()
-    one.done("Reset")
-
-
 def test_null_pointers_are_refused(instance):
     instance.initialize()
     one = ctypes.c_size_t(1)
@@ -314,7 +253,7 @@ def test_functions_of_no_instance_are_errors(instance):
     instance.library.fmi2FreeInstance(None)
     zeros = [ctypes.c_size_t(0)] * 6
     for function in FUNCTIONS:
-        if function not in STATELESS:
+        if function not in {"GetTypesPlatform", "GetVersion", "Instantiate", "FreeInstance"}:
             assert getattr(instance.library, f"fmi2{function}")(None, *zeros) == ERROR, function
 
 
@@ -337,9 +276,16 @@ def test_what_is_not_provided_says_so(instance):
     instance.initialize()
     assert instance.call("CancelStep") == ERROR
     assert "no step to cancel" in instance.text
-    integer = ctypes.c_int()
-    assert instance.call("GetIntegerStatus", 0, ctypes.byref(integer)) == ERROR
-    assert "there is no Integer status" in instance.text
+    value = ctypes.c_double()
+    for function, kind, text in (
+        ("GetStatus", 1, "only fmi2DoStepStatus is a status"),
+        ("GetRealStatus", 3, "only fmi2LastSuccessfulTime is a Real status"),
+        ("GetIntegerStatus", 0, "there is no Integer status"),
+        ("GetBooleanStatus", 2, "only fmi2Terminated is a Boolean status"),
+        ("GetStringStatus", 0, "only fmi2PendingStatus is a String status"),
+    ):
+        assert instance.call(function, kind, ctypes.byref(value)) == DISCARD
+        assert text in instance.text
 
 
 def test_wrong_numbers_of_states_are_refused(exchange):
@@ -367,16 +313,37 @@ def _serialized(instance):
     return data.raw
 
 
-@pytest.mark.parametrize("position", [0, 20, 80, 200, -1])
-def test_a_damaged_state_is_refused(instance, position):
+@pytest.mark.parametrize(
+    ("position", "text"),
+    [
+        (0, "the state is not one of this FMU ("),  # magic
+        (20, "the state is not one of this FMU ("),  # token
+        (96, "the state is not one of this FMU ("),  # version
+        (64, "the state is damaged: its check sum does not match"),  # check sum
+        (72, "the state is damaged: it has "),  # length
+        (80, "the state is damaged: its check sum does not match"),
+        (200, "the state is damaged: its check sum does not match"),
+        (-1, "the state is damaged: its check sum does not match"),
+    ],
+)
+def test_a_damaged_state_is_refused(instance, position, text):
     instance.initialize()
     data = bytearray(_serialized(instance))
     data[position] ^= 1
     state = ctypes.c_void_p()
     assert instance.call("DeSerializeFMUstate", bytes(data), ctypes.c_size_t(len(data)), ctypes.byref(state)) == ERROR
-    assert "DeSerializeFMUstate: the state is " in instance.text
+    assert f"DeSerializeFMUstate: {text}" in instance.text
     assert state.value is None
     assert instance.step(0.0, 0.01) == OK
+
+
+@pytest.mark.parametrize("length", [0, 10, -1])
+def test_a_truncated_state_is_refused(instance, length):
+    instance.initialize()
+    data, state = _serialized(instance)[:length], ctypes.c_void_p()
+    assert instance.call("DeSerializeFMUstate", data, ctypes.c_size_t(len(data)), ctypes.byref(state)) == ERROR
+    assert "DeSerializeFMUstate: the state is " in instance.text
+    assert state.value is None
 
 
 def test_states_of_others_are_refused(instance, exchange, loop):

@@ -13,7 +13,7 @@ import sympy as sp
 
 from brunovsky._suggest import unknown_name
 from brunovsky.blocks.clocks import checked_clocks, clocked_samples
-from brunovsky.blocks.relations import RelationTable, ordered_relations, root_symbols
+from brunovsky.blocks.relations import RelationTable, ordered_relations, reached_relations, root_symbols
 from brunovsky.blocks.units import unit_exponents
 from brunovsky.blocks.variables import (
     NAME,
@@ -175,6 +175,8 @@ class Block:
         object.__setattr__(self, "outputs", outputs)
         object.__setattr__(self, "transitions", transitions)
         object.__setattr__(self, "relations", tuple(ordered_relations(table.relations, self.name)))
+        acting = set(self.acting_relations)
+        object.__setattr__(self, "relations", tuple(sorted(self.relations, key=lambda one: one not in acting)))
 
     def _check_symbols(self) -> None:
         parameters = {parameter.symbol for parameter in self.parameters}
@@ -255,11 +257,25 @@ class Block:
         return (*self.parameters, *self.inputs, *self.states, *self.samples, *self.modes, *self.outputs)
 
     @cached_property
+    def acting_relations(self) -> tuple[Relation, ...]:
+        """Relations that act between samples; the others, which come last, are read by updates of samples alone."""
+        acting = reached_relations(
+            [
+                *(one.derivative for one in self.states),
+                *(one.expression for one in self.outputs),
+                *(one.guard for one in self.transitions),
+                *(one.condition for one in self.checks if one.when == "failure"),
+            ],
+            self.relations,
+        )
+        return tuple(one for one in self.relations if one.symbol in acting)
+
+    @cached_property
     def indicators(self) -> tuple[sp.Expr, ...]:
-        """Functions whose zero crossings are state events, of the relations that change between events, once each."""
+        """Functions whose zero crossings are state events, of the relations that act between events, once each."""
         fixed = {item.symbol for item in (*self.parameters, *self.modes, *self.samples)}
         found: list[sp.Expr] = []
-        for relation in self.relations:
+        for relation in self.acting_relations:
             expression = relation.expression if relation.indicator is None else relation.indicator
             if expression.free_symbols - fixed and not {expression, sp.expand(-expression)} & set(found):
                 found.append(expression)

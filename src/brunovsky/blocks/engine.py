@@ -356,7 +356,7 @@ class NumpyEngine:
 
     def _first_change(self, step: dormand_prince.Step) -> float | None:
         """Part of a step just after which relations first differ from what they are frozen at, None if nowhere."""
-        if not len(self.relations):
+        if not self.block.acting_relations:
             return None
         before = 0.0
         for after in CHECKED_FRACTIONS:
@@ -377,7 +377,8 @@ class NumpyEngine:
         time, states, frozen = self.time, self.states, self.relations.copy()
         self.time, self.states = time + fraction * step.size, step.at(fraction)
         self.update_relations()
-        differs = bool((self.relations != frozen).any())
+        acting = len(self.block.acting_relations)
+        differs = bool((self.relations[:acting] != frozen[:acting]).any())
         self.time, self.states, self.relations = time, states, frozen
         return differs
 

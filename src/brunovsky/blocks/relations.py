@@ -47,6 +47,18 @@ def root_symbols(expression: sp.Basic, relations: Iterable[Relation]) -> frozens
     return frozenset(found - set(behind))
 
 
+def reached_relations(expressions: Iterable[sp.Basic], relations: Sequence[Relation]) -> frozenset[sp.Symbol]:
+    """Symbols of the relations that expressions read, themselves or through other relations."""
+    behind = {one.symbol: one.expression.free_symbols for one in relations}
+    found: set[sp.Symbol] = set()
+    pending = set().union(*(one.free_symbols for one in expressions)) & behind.keys()
+    while pending:
+        one = pending.pop()
+        found.add(one)
+        pending |= behind[one] & behind.keys() - found
+    return frozenset(found)
+
+
 def ordered_relations(relations: Sequence[Relation], where: str) -> list[Relation]:
     """Relations in an order in which each is evaluated after those it depends on.
 

@@ -59,6 +59,7 @@ def model_description(block: Block, token: str, source_files: Sequence[str], ver
 def _interfaces(root: etree._Element, block: Block, source_files: Sequence[str]) -> None:
     common = {
         "modelIdentifier": block.name,
+        "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",

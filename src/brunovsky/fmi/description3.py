@@ -85,6 +85,7 @@ def _interfaces(root: etree._Element, block: Block) -> None:
         flags["ScheduledExecution"] = ()
     for tag, own in flags.items():
         element = etree.SubElement(root, tag, modelIdentifier=block.name)
+        element.set("canBeInstantiatedOnlyOncePerProcess", "false")
         element.attrib.update(dict.fromkeys((*_COMMON, *own), "true"))
         if tag == "CoSimulation":
             element.set("maxOutputDerivativeOrder", str(output_derivatives(block).order))

@@ -120,6 +120,9 @@ class _Instance2(_Instance):
         self.instantiate(callbacks=callbacks, loggingOn=logging, **options)  # type: ignore[attr-defined]
 
 
+_TOLD_BY_EXCEPTIONS = ("logStatusWarning", "logStatusDiscard")
+
+
 class _Instance3(_Instance):
     fmi_version = 3
 
@@ -128,7 +131,13 @@ class _Instance3(_Instance):
             messages.append((category.decode(), message.decode()))
 
         self.instantiate(loggingOn=logging, logMessage=log, **options)  # type: ignore[attr-defined]
-        self.setDebugLogging(True, ["logStatusWarning", "logStatusDiscard"])  # type: ignore[attr-defined]
+        if not logging:
+            self.setDebugLogging(True, list(_TOLD_BY_EXCEPTIONS))
+
+    def setDebugLogging(self, loggingOn: bool, categories: Sequence[str]) -> None:
+        """Switch on these log categories alone, beside those that exceptions tell; or switch them off."""
+        wanted = [*categories, *_TOLD_BY_EXCEPTIONS] if loggingOn and categories else list(categories)
+        super().setDebugLogging(loggingOn, wanted)  # type: ignore[misc]
 
     # fmpy takes adjoint derivatives to be as many as the unknowns, and fails to count dependencies
 

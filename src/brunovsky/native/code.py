@@ -255,6 +255,7 @@ def _model(block: Block) -> str:
         "nz": block.indicators,
         "transitions": block.transitions,
         "nk": block.clocks,
+        "acting": block.acting_relations,
     }
     tables = "p_names u_names x_names q_names y_names p_default p_min p_max u_default m_start q_rank check_names"
     tables += " k_names k_parameter k_period q_clock x_nominal"

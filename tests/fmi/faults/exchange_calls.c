@@ -53,7 +53,7 @@ int set_states(Subject *subject)
     int status;
     must_fail = count != nx || null;
     for (size_t i = 0; i < count; i++) {
-        values[i] = chance(99) ? uniform(-2, 2) : odd_number();
+        values[i] = chance(99) ? uniform(-2, 2) * !chance(3) : odd_number();
         must_fail |= !isfinite(values[i]);
     }
     status = (int)NAME(SetContinuousStates, SetContinuousStates)(subject->component, null ? NULL : values, count);

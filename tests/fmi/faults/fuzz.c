@@ -58,22 +58,38 @@ static void check_unchanged(Subject *subject, const char *before, size_t size)
     subject->size = after_size;
 }
 
-/* The same call from the same state on gives the same. */
+/* Another instance like this one. */
+static void make_like(Subject *fresh, const Subject *subject)
+{
+    do {
+        subject_free(fresh);
+        subject_instantiate(fresh, subject->kind);
+        EXPECT(fresh->component, "no instance: %s", fresh->message);
+    } while (fresh->with_callbacks != subject->with_callbacks);
+}
+
+/* The same call from the same state on gives the same, in this instance or in a new one. */
 static void repeat(Subject *subject, const Operation *operation, const char *before, size_t size, uint64_t numbers, int status)
 {
     const uint64_t next = seed;
-    const int phase = subject->phase;
+    Subject fresh = {0}, *again = subject;
     char *after = NULL;
     size_t after_size;
-    restore(subject, before, size);
+    if (chance(40)) {
+        again = &fresh;
+        make_like(again, subject);
+        again->phase = subject->phase;
+    }
+    restore(again, before, size);
     seed = numbers;
-    clear_log(subject);
-    EXPECT(operation->call(subject) == status, "another status when repeated: %s", subject->message);
-    EXPECT(subject->phase == phase, "another phase when repeated");
-    seed = next;
-    save(subject, &after, &after_size);
+    clear_log(again);
+    EXPECT(operation->call(again) == status, "another status when repeated: %s", again->message);
+    EXPECT(subject->phase == again->phase, "another phase when repeated");
+    save(again, &after, &after_size);
     EXPECT(same(after, after_size, subject), "another state when repeated");
     disown(after);
+    subject_free(&fresh);
+    seed = next;
 }
 
 static void call(Subject *subject)

@@ -65,7 +65,10 @@ void subject_misuse(Subject *subject)
 
 int has_kind(int kind)
 {
-    return kind != SCHEDULED || (brunovsky_model.nk && !brunovsky_model.nx);
+    int timed = 0;
+    for (int i = 0; brunovsky_model.nk && i < brunovsky_model.nq; i++)
+        timed |= brunovsky_model.q_clock[i] < 0;
+    return kind != SCHEDULED || (brunovsky_model.nk && !brunovsky_model.nx && !timed);
 }
 
 #define EACH(FUNCTION, VALUE)                                                                                         \

@@ -3,7 +3,7 @@
 
 #include "interface.h"
 
-enum { KEPT = 4 };
+enum { KEPT = 4, HEADER = 120 }; /* about as many bytes say whose state it is */
 
 /* States and bytes kept between calls, of whichever instance. */
 static struct {
@@ -88,7 +88,7 @@ static char *damage(const char *bytes, size_t *size)
     memset(copy, 0, *size);
     memcpy(copy, bytes, *size < length ? *size : length);
     if (*size == length) {
-        const unsigned first = draw(100 < length && chance(60) ? 100 : (unsigned)length);
+        const unsigned first = draw(HEADER < length && chance(60) ? HEADER : (unsigned)length);
         copy[first] = (char)(copy[first] ^ 1 << draw(8));
         for (unsigned i = chance(30) ? draw(8) : 0; i; i--)
             copy[draw((unsigned)length)] = (char)draw(256);
