@@ -7,6 +7,8 @@
 #ifndef BRUNOVSKY_DESCRIPTION_H
 #define BRUNOVSKY_DESCRIPTION_H
 
+#include "names.h"
+
 /* Bits, so that a function can accept several. */
 typedef enum { REAL = 1, INTEGER = 2, BOOLEAN = 4, ENUMERATION = 8, CLOCK = 16 } Type;
 

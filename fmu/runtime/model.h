@@ -7,6 +7,8 @@
 #ifndef BRUNOVSKY_MODEL_H
 #define BRUNOVSKY_MODEL_H
 
+#include "names.h"
+
 #define ARGUMENTS                                                                                                     \
     double t, const double *x, const double *u, const double *p, const double *q, const int *m, const int *r
 

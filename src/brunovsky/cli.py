@@ -26,6 +26,8 @@ from brunovsky.errors import BrunovskyError, ParameterError
 from brunovsky.fmi import export_fmu, export_ssp, robot_system, robot_variants, shipped_fmus
 from brunovsky.fmi.checks.table import check_summary, check_table
 from brunovsky.fmi.contents import FMI_VERSIONS
+from brunovsky.fmi.platforms import HOST, chosen_platforms
+from brunovsky.fmi.platforms import NAMES as PLATFORMS
 from brunovsky.linearization import gallery
 
 app = typer.Typer(
@@ -93,12 +95,6 @@ class SspVersion(StrEnum):
     two = "2"
 
 
-class Platform(StrEnum):
-    """Platforms that can be exported for."""
-
-    host = "host"
-
-
 @app.callback()
 def _options(
     context: typer.Context,
@@ -134,9 +130,16 @@ def build(
         SspVersion | None,
         typer.Option("--ssp", help="Version of ssp/robot.ssp: 1 (FMI 2) or 2 (FMI 3); built unless blocks are named."),
     ] = None,
-    platform: Annotated[Platform, typer.Option("--platform", help="Platform of the binary.")] = Platform.host,
+    platform: Annotated[
+        str,
+        typer.Option(
+            metavar="[host|all|NAME]",
+            help=f"Platform of the binaries: {', '.join(PLATFORMS)}; any but the host's needs the extra 'zig'.",
+        ),
+    ] = HOST,
 ) -> None:
     """Build FMUs, co-simulation and model exchange in one file, and a package of three of them, robot.ssp."""
+    chosen_platforms((platform,), int(fmi) if fmi else 3)  # refused before anything is built
     names = blocks or shipped_fmus(int(fmi) if fmi else None)
     chosen = {name: _known(name, BLOCKS, "block") for name in names}
     with _progress() as progress:
@@ -147,11 +150,11 @@ def build(
             block = make()
             for version in (int(fmi),) if fmi else _versions(name, block):
                 path = output / f"fmi{version}" / f"{name}.fmu"
-                paths.append(export_fmu(block, path, version, (platform.value,)))
+                paths.append(export_fmu(block, path, version, (platform,)))
             progress.advance(task)
         if ssp or not blocks:
             progress.update(task, description="building robot.ssp")
-            paths.append(_build_ssp(output, int(ssp or (2 if fmi == FmiVersion.three else 1)), (platform.value,)))
+            paths.append(_build_ssp(output, int(ssp or (2 if fmi == FmiVersion.three else 1)), (platform,)))
         progress.update(task, description="building FMUs")
     for path in paths:
         _say(str(path))

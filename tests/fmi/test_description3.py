@@ -11,6 +11,7 @@ from lxml import etree
 
 from brunovsky.blocks import Block, Clock, Diagram, Input, Output, Parameter, Sample, State, library, symbols
 from brunovsky.fmi import description3, scalar_variables, shipped_block, shipped_fmus
+from brunovsky.fmi.build_description import build_description
 from brunovsky.fmi.variables import reference_offsets
 
 sys.path.append(str(Path(__file__).parents[1] / "blocks"))
@@ -201,8 +202,11 @@ def test_nominal_values_are_those_of_the_block(described: Describe) -> None:
 
 def test_the_build_description_lists_the_sources(tmp_path: Path) -> None:
     (tmp_path / "sources").mkdir()
-    text = description3.build_description(library.circle(), ("model.c", "fmi3.c"))
+    text = build_description(library.circle(), ("model.c", "fmi3.c"))
     (tmp_path / "sources" / "buildDescription.xml").write_bytes(text)
-    (configuration,) = read_build_description(str(tmp_path))
-    assert configuration.modelIdentifier == "circle"
-    assert configuration.sourceFileSets[0].sourceFiles == ["model.c", "fmi3.c"]
+    for configuration in read_build_description(str(tmp_path)):
+        assert configuration.modelIdentifier == "circle"
+        assert configuration.sourceFileSets[0].sourceFiles == ["model.c", "fmi3.c"]
+    root = etree.fromstring(text)
+    libraries = {one.get("platform"): [lib.get("name") for lib in one.iter("Library")] for one in root}
+    assert libraries == {None: ["m"], "x86_64-windows": [], "aarch64-windows": []}

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from brunovsky.blocks import Block
-from brunovsky.errors import BrunovskyError, ParameterError
-from brunovsky.fmi.contents import check_version, fmu_files, platform_name
+from brunovsky.errors import BrunovskyError
+from brunovsky.fmi.contents import fmu_files
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -27,7 +27,7 @@ def export_fmu(
 
     A block that clocks alone make act has scheduled execution as well (FMI 3).
 
-    The file is written whole or not at all, and has the same bytes for equal blocks on the same machine.
+    The file is written whole or not at all, and has the same bytes for equal blocks and compilers.
 
     Parameters
     ----------
@@ -38,7 +38,9 @@ def export_fmu(
     fmi_version : int
         2 or 3. A block with clocks needs 3.
     platforms : sequence of str
-        Only this machine so far: ``"host"``, or its name in that version (``"linux64"``, ``"x86_64-linux"``, …).
+        ``"host"``, this machine with its own compiler, and platforms by name, or ``"all"`` of them: ``x86_64-linux``,
+        ``aarch64-linux`` (glibc 2.17 or later), ``x86_64-windows``, ``x86_64-darwin``, ``aarch64-darwin`` (macOS).
+        FMI 2 also takes its own names, ``linux64``, ``win64``, ``darwin64``. All but the host are compiled by ziglang.
     arrays : bool
         Whether elements ``name[1]`` to ``name[n]`` of one unit are one array variable ``name`` (FMI 3). By default
         they are scalars, with the names of FMI 2.
@@ -51,35 +53,25 @@ def export_fmu(
     Raises
     ------
     ParameterError
-        For a version or platform that cannot be built, and for arrays in FMI 2.
+        For a version or platform that is unknown, and for arrays in FMI 2.
     ModelError
         If the block uses a name that every FMU has: ``step_size``, ``solver``; for FMI 2 of a block with clocks.
     CompilerError
-        If there is no C compiler or it fails.
+        If there is no C compiler, or no ziglang for another platform, or it fails.
     BrunovskyError
         If the file cannot be written.
     """
-    check_version(block, fmi_version, arrays)
-    host = platform_name(fmi_version)
-    for one in platforms:
-        if one not in ("host", host):
-            raise ParameterError(
-                f"platform '{one}' cannot be built here: only 'host' ({host}) can; "
-                "the FMU has its sources, compile them on the other machine"
-            )
-    if not platforms:
-        raise ParameterError(f"no platform was named; name 'host' ({host})")
     target = Path(path)
-    files = fmu_files(block, fmi_version, arrays)
+    files = fmu_files(block, fmi_version, arrays, tuple(platforms))
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        _write(target, files)
+        write_archive(target, files)
     except OSError as error:
         raise BrunovskyError(f"the FMU {target} cannot be written: {error.strerror or error}") from None
     return target
 
 
-def _write(target: Path, files: Mapping[str, bytes]) -> None:
+def write_archive(target: Path, files: Mapping[str, bytes]) -> None:
     with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}-", delete=False) as fresh:
         try:
             with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED) as archive:

@@ -1,27 +1,31 @@
-"""The files of an FMU: sources, generated and of the runtime, the description, and the binary for this machine."""
+"""The files of an FMU: sources, generated and of the runtime, the descriptions, and the binaries."""
 
 from __future__ import annotations
 
 import hashlib
-import tempfile
 import uuid
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
-from pathlib import Path
 from types import MappingProxyType
-
-import fmpy
 
 from brunovsky._resources import resource, runtime_folder
 from brunovsky.blocks import Block
 from brunovsky.errors import ModelError, ParameterError
 from brunovsky.fmi import description2, description3
 from brunovsky.fmi.arrays import array_variables, spans
+from brunovsky.fmi.binaries import binary_files, headers_folder
+from brunovsky.fmi.build_description import build_description
+from brunovsky.fmi.documentation import documentation
+from brunovsky.fmi.icon import icon
+from brunovsky.fmi.platforms import HOST, chosen_platforms
 from brunovsky.fmi.structure import dependency_tables
+from brunovsky.fmi.terminals import terminals_and_icons
 from brunovsky.fmi.variables import reference_offsets, scalar_variables
-from brunovsky.native import compile_library, jacobian_source, model_source
+from brunovsky.native import jacobian_source, model_source
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
 from brunovsky.native.output_derivatives import output_derivatives_source
+
+__all__ = ["FMI_VERSIONS", "check_version", "description_source", "fmu_files", "headers_folder", "source_files"]
 
 FMI_VERSIONS = (2, 3)
 _INSTANCE = "instance variables stepping clocks exchange listening extrapolation state fmu"
@@ -32,17 +36,13 @@ _OWN_HEADERS = "description instance variables jacobian output_derivatives sensi
 _HEADERS = (*ENGINE_HEADERS, *(f"{name}.h" for name in _OWN_HEADERS.split()))
 _GENERATED = ("model.c", "jacobian.c", "output_derivatives.c", "description.c")
 
+_TOKEN = {2: "guid", 3: "instantiationToken"}
 _TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN"}
 
 
 def source_files(fmi_version: int) -> tuple[str, ...]:
     """C files that make up the binary; the first four are generated."""
     return (*_GENERATED, *_RUNTIME, *_INTERFACE[fmi_version])
-
-
-def platform_name(fmi_version: int) -> str:
-    """Name that the standard gives this machine's platform."""
-    return str(fmpy.platform if fmi_version == 2 else fmpy.platform_tuple)
 
 
 def check_version(block: Block, fmi_version: int, arrays: bool = False) -> None:
@@ -67,14 +67,11 @@ def check_version(block: Block, fmi_version: int, arrays: bool = False) -> None:
         )
 
 
-def headers_folder() -> Path:
-    """Folder with the headers of the standard, ``fmi2Functions.h``, ``fmi3Functions.h`` and those they include."""
-    return Path(fmpy.__file__).parent / "c-code"  # as fmpy brings them
-
-
 @lru_cache(maxsize=64)
-def fmu_files(block: Block, fmi_version: int = 2, arrays: bool = False) -> Mapping[str, bytes]:
-    """Every file of the FMU by its path inside, the binary compiled for this machine.
+def fmu_files(
+    block: Block, fmi_version: int = 2, arrays: bool = False, platforms: tuple[str, ...] = (HOST,)
+) -> Mapping[str, bytes]:
+    """Every file of the FMU by its path inside, the binaries compiled for the platforms.
 
     The guid or instantiation token is a hash of everything else in the description and of all sources, so that it is
     the same for equal blocks and another one for others.
@@ -82,43 +79,68 @@ def fmu_files(block: Block, fmi_version: int = 2, arrays: bool = False) -> Mappi
     Raises
     ------
     ParameterError
-        For a version that is unknown, and for arrays in FMI 2.
+        For a version or platform that is unknown, and for arrays in FMI 2.
     ModelError
         If the block uses a name that every FMU has, or has clocks that the version doesn't know.
     CompilerError
         If there is no C compiler or it fails.
     """
     check_version(block, fmi_version, arrays)
+    chosen = chosen_platforms(platforms, fmi_version)
     names = source_files(fmi_version)
-    descriptions = _descriptions(block, fmi_version, arrays, "")
-    generated = {
-        "model.c": model_source(block).encode(),
-        "jacobian.c": jacobian_source(block).encode(),
-        "output_derivatives.c": output_derivatives_source(block).encode(),
-    }
+    descriptions = _descriptions(block, fmi_version, arrays)
+    generated = _generated(block)
     copied = (*(one for one in names if one not in _GENERATED), *_HEADERS)
     runtime = {name: (runtime_folder() / name).read_bytes() for name in copied}
     token = _token([*descriptions.values(), *generated.values(), *runtime.values()])
     description = description_source(block, token, arrays).encode()
     sources = runtime | generated | {"description.c": description}
     files = {f"sources/{name}": text for name, text in sources.items()}
-    files["documentation/licenses/brunovsky.txt"] = resource("LICENSE").read_bytes()  # of the runtime
-    files |= _descriptions(block, fmi_version, arrays, token)
-    library = f"{block.name}{fmpy.sharedLibraryExtension}"
-    files[f"binaries/{platform_name(fmi_version)}/{library}"] = _binary(library, sources, names)
+    files["documentation/licenses/license.txt"] = resource("LICENSE").read_bytes()  # of the runtime
+    blank, named = f'{_TOKEN[fmi_version]}=""', f'{_TOKEN[fmi_version]}="{token}"'
+    descriptions["modelDescription.xml"] = descriptions["modelDescription.xml"].replace(
+        blank.encode(), named.encode(), 1
+    )
+    files |= descriptions
+    files |= _presentation(block, fmi_version, arrays)
+    files |= binary_files(block.name, fmi_version, sources, names, chosen)
     return MappingProxyType(files)
 
 
-def _descriptions(block: Block, fmi_version: int, arrays: bool, token: str) -> dict[str, bytes]:
+@lru_cache(maxsize=64)
+def _generated(block: Block) -> dict[str, bytes]:
+    """Generated sources that both versions share."""
+    return {
+        "model.c": model_source(block).encode(),
+        "jacobian.c": jacobian_source(block).encode(),
+        "output_derivatives.c": output_derivatives_source(block).encode(),
+    }
+
+
+def _descriptions(block: Block, fmi_version: int, arrays: bool) -> dict[str, bytes]:
+    """Descriptions with a blank token."""
     from brunovsky import __version__  # known only when the package is imported whole
 
     names = source_files(fmi_version)
-    if fmi_version == 2:
-        return {"modelDescription.xml": description2.model_description(block, token, names, __version__)}
-    return {
-        "modelDescription.xml": description3.model_description(block, token, __version__, arrays),
-        "sources/buildDescription.xml": description3.build_description(block, names),
+    text = (
+        description2.model_description(block, "", names, __version__)
+        if fmi_version == 2
+        else description3.model_description(block, "", __version__, arrays)
+    )
+    return {"modelDescription.xml": text, "sources/buildDescription.xml": build_description(block, names)}
+
+
+def _presentation(block: Block, fmi_version: int, arrays: bool) -> dict[str, bytes]:
+    """What people and diagrams see: icon, terminals, page."""
+    variables = scalar_variables(block, fmi_version)
+    names = [one.name for one in (array_variables(variables, arrays) if fmi_version == 3 else variables)]
+    picture = icon(block)
+    files = {
+        "documentation/index.html": documentation(block, variables),
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(block, names),
+        "terminalsAndIcons/icon.png": picture,
     }
+    return files | ({"model.png": picture} if fmi_version == 2 else {})
 
 
 def description_source(block: Block, token: str, arrays: bool = False) -> str:
@@ -163,13 +185,3 @@ def _token(parts: Iterable[bytes]) -> str:
     for part in parts:
         digest.update(hashlib.sha256(part).digest())
     return f"{{{uuid.UUID(bytes=digest.digest()[:16])}}}"
-
-
-def _binary(file: str, sources: Mapping[str, bytes], names: Iterable[str]) -> bytes:
-    with tempfile.TemporaryDirectory(prefix="brunovsky-") as folder:
-        base = Path(folder)
-        for name, text in sources.items():
-            (base / name).write_bytes(text)
-        library = base / file
-        compile_library([base / name for name in names], library, include=[base, headers_folder()])
-        return library.read_bytes()

@@ -1,4 +1,4 @@
-"""modelDescription.xml and buildDescription.xml of FMI 3.0, from the table of variables and the model structure."""
+"""modelDescription.xml of FMI 3.0, from the table of variables and the model structure."""
 
 from __future__ import annotations
 
@@ -76,16 +76,6 @@ def model_description(block: Block, token: str, version: str, arrays: bool = Fal
     add_default_experiment(root)
     _variables(root, block, variables)
     _structure(root, block, variables)
-    return xml_text(root)
-
-
-def build_description(block: Block, source_files: Sequence[str]) -> bytes:
-    """Text of the buildDescription.xml: the C files in ``sources`` that make up the binary."""
-    root = etree.Element("fmiBuildDescription", fmiVersion="3.0")
-    configuration = etree.SubElement(root, "BuildConfiguration", modelIdentifier=block.name)
-    files = etree.SubElement(configuration, "SourceFileSet", language="C99")
-    for name in source_files:
-        etree.SubElement(files, "SourceFile", name=name)
     return xml_text(root)
 
 

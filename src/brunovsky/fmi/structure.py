@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
@@ -55,6 +56,11 @@ def model_structure(block: Block, variables: Sequence[ScalarVariable], fmi_versi
     ModelStructure
         Indices are those of the table, from 1.
     """
+    return _model_structure(block, tuple(variables), fmi_version)
+
+
+@lru_cache(maxsize=64)
+def _model_structure(block: Block, variables: tuple[ScalarVariable, ...], fmi_version: int) -> ModelStructure:
     rows = dict(enumerate(variables, 1))
     states = {one.symbol for one in block.states}
     parameters = {one.symbol for one in block.parameters}

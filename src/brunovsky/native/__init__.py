@@ -6,4 +6,11 @@ from brunovsky.native.engine import NativeEngine
 from brunovsky.native.jacobian import jacobian_source
 from brunovsky.native.simulate import simulate
 
-__all__ = ["NativeEngine", "compile_library", "find_compiler", "jacobian_source", "model_source", "simulate"]
+__all__ = [
+    "NativeEngine",
+    "compile_library",
+    "find_compiler",
+    "jacobian_source",
+    "model_source",
+    "simulate",
+]

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
 
@@ -44,12 +45,26 @@ def find_compiler() -> tuple[str, ...]:
     for name in ("cc", "gcc", "clang"):
         if shutil.which(name):
             return (name,)
-    if importlib.util.find_spec("ziglang"):
+    if has_ziglang():
         return (sys.executable, "-m", "ziglang", "cc")
     raise CompilerError(
         "no C compiler was found (cc, gcc, clang, or the one named by CC); install one, "
         "or ziglang with: pip install ziglang"
     )
+
+
+def has_ziglang() -> bool:
+    """Whether ziglang, which compiles for other platforms too, is installed."""
+    return importlib.util.find_spec("ziglang") is not None
+
+
+def _cross_compiler(target: str) -> tuple[str, ...]:
+    if not has_ziglang():
+        raise CompilerError(
+            f"compiling for {target} needs ziglang; install it with: pip install 'brunovsky[zig]', "
+            "or build for this machine alone (platform 'host')"
+        )
+    return (sys.executable, "-m", "ziglang", "cc", "-target", target)
 
 
 @lru_cache
@@ -65,8 +80,9 @@ def compile_library(
     *,
     include: Sequence[Path] = (),
     defines: Mapping[str, str] | None = None,
+    target: str | None = None,
 ) -> None:
-    """Compile C sources to one shared library for this machine.
+    """Compile C sources to one shared library.
 
     The object file of each source is kept in the cache, so that the runtime, which is the same for all blocks, is
     compiled once. It is found again by the compiler, its flags, and the content of the source and of the headers
@@ -82,26 +98,42 @@ def compile_library(
         Folders searched for headers.
     defines : mapping of str to str, optional
         Macros, each ``-DNAME=VALUE``.
+    target : str, optional
+        Another platform, as ziglang names it (``aarch64-linux-gnu.2.17``); by default this machine.
 
     Raises
     ------
     CompilerError
         If there is no compiler or it fails; the message has its command and what it printed.
     """
-    command = [*find_compiler(), *_FLAGS, *(() if sys.platform == "win32" else ("-fPIC",))]
+    compiler = _cross_compiler(target) if target else find_compiler()
+    windows = "windows" in target if target else sys.platform == "win32"
+    command = [*compiler, *_FLAGS, *(() if windows else ("-fPIC",))]
     if "ziglang" in command:
         command.append("-fno-sanitize=all")
+    linking = ["-shared", *(_linking(target, output.name) if target else ())]
     macros = [f"-D{name}={value}" for name, value in (defines or {}).items()]
+    key = "\0".join((*command, *macros, compiler_version(compiler)))
     with tempfile.TemporaryDirectory(dir=output.parent) as folder:
         fresh = Path(folder) / output.name
-        objects = [_object(source, [*command, *macros], include, Path(folder)) for source in sources]
-        _compile([*command, "-shared", "-o", str(fresh), *map(str, objects), "-lm"])
+
+        def compiled(source: Path) -> Path:
+            return _object(source, [*command, *macros], key, include, Path(folder))
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            objects = list(pool.map(compiled, sources))
+        _compile([*command, *linking, "-o", str(fresh), *map(str, objects), "-lm"])
         os.replace(fresh, output)
 
 
-def _object(source: Path, command: Sequence[str], include: Sequence[Path], folder: Path) -> Path:
-    """Object file of a source: the cache's, or compiled in the folder and kept."""
-    digest = hashlib.sha256("\0".join((*command, compiler_version(find_compiler()))).encode())
+def _linking(target: str, name: str) -> tuple[str, ...]:
+    """Options that leave nothing of this machine in a library: no symbols for debuggers, no path."""
+    return ("-s", f"-Wl,-install_name,@rpath/{name}") if "macos" in target else ("-s",)
+
+
+def _object(source: Path, command: Sequence[str], key: str, include: Sequence[Path], folder: Path) -> Path:
+    """Object file of a source: the cache's, or compiled in the folder and kept. The key says what compiles it."""
+    digest = hashlib.sha256(key.encode())
     headers = [header for place in (source.parent, *include) for header in sorted(place.glob("*.h"))]
     for path in (source, *headers):
         digest.update(f"\0{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())

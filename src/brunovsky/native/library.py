@@ -15,7 +15,7 @@ from brunovsky.native.code import model_source
 from brunovsky.native.compiler import SUFFIX, cache_folder, compile_library, compiler_version, find_compiler
 
 ENGINE_SOURCES = ("engine.c", "events.c", "inputs.c", "rk4.c", "dormand_prince.c")
-ENGINE_HEADERS = ("model.h", "engine.h", "solver.h")
+ENGINE_HEADERS = ("names.h", "model.h", "engine.h", "solver.h")
 """C files of the runtime that run a block; its generated ``model.c`` goes with them."""
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from brunovsky.blocks import Diagram
 from brunovsky.errors import BrunovskyError, ModelError, ParameterError
-from brunovsky.fmi.archive import _write, export_fmu
+from brunovsky.fmi.archive import export_fmu, write_archive
 from brunovsky.fmi.ssp.description import MAPPING_FILE, structure_description
 from brunovsky.fmi.ssp.elements import FMI_VERSION
 from brunovsky.fmi.ssp.parameters import mapping_file, parameter_file
@@ -81,7 +81,7 @@ def export_ssp(
     files = _files(diagram, ssp_version, variants, platforms, system_connectors)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        _write(target, files)
+        write_archive(target, files)
     except OSError as error:
         raise BrunovskyError(f"the SSP {target} cannot be written: {error.strerror or error}") from None
     return target
