@@ -72,7 +72,7 @@ def export_fmu(
 
 
 def write_archive(target: Path, files: Mapping[str, bytes]) -> None:
-    """Write a zip file whole or not at all, with the same bytes for equal files; ``OSError`` if it cannot be written."""
+    """Write a zip file whole or not at all, with the same bytes for equal files; may raise ``OSError``."""
     with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}-", delete=False) as fresh:
         try:
             with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED) as archive:
