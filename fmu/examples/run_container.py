@@ -1,6 +1,6 @@
 """fmu-manipulation-toolbox: python run_container.py robot.ssp figure6.fmu makes one FMU of three.
 
-The container, FMI 2 co-simulation, leaves out the package's parameter sets, so that the initial state of figure 6 goes into its own description.
+The container, FMI 2 co-simulation, leaves out the parameter sets, so that it is told the start of figure 6.
 """
 
 import json
