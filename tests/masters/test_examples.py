@@ -2,7 +2,7 @@
 
 Co-simulation runs the very steps of the native simulation, so that only rounding is left (Ecos adds up its own time).
 Model exchange is solved by the master to 1e-10 for each step and compared with Dormand-Prince of 1e-11 for each, which
-locates events too; over some hundreds of steps of a stable loop the errors add up to less than 1e-8 m.
+locates events too. The loop is stable, so that errors of former steps decay; ten of the largest are allowed.
 """
 
 import subprocess
@@ -21,7 +21,7 @@ MASTERS = tomllib.loads((EXAMPLES / "masters.toml").read_text())["master"]
 RUNS = [
     pytest.param(one, interface, id=f"{one['name']}, {interface}") for one in MASTERS for interface in one["interfaces"]
 ]
-TOLERANCE = {"CS": 1e-12, "ME": 1e-8}
+TOLERANCE = {"CS": 1e-12, "ME": 1e-9}
 
 
 def run(*command: object) -> str:
