@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import sympy as sp
@@ -66,6 +68,23 @@ def variables(block: Any) -> Markdown:
         ("variable", "causality", "unit", "default", "meaning"),
         ((f"`{one.name}`", kind, f"`{one.unit}`", value, one.description) for one, kind, value in rows),
     )
+
+
+def masters() -> Markdown:
+    """Table of the masters that the tests run, with their versions of the constraints."""
+    root = Path(__file__).parents[2]
+    pins = (line.split("==") for line in (root / "constraints.txt").read_text().splitlines() if "==" in line)
+    versions = {name.lower().replace("_", "-"): version for name, version in pins}
+    rows = []
+    for one in tomllib.loads((root / "fmu" / "examples" / "masters.toml").read_text())["master"]:
+        kinds = (
+            "/".join(kind for kind in ("CS", "ME") if f"FMI {version} {kind}" in one["interfaces"])
+            for version in (2, 3)
+        )
+        package = f"{one['package']} {versions[one['package'].lower()]}"
+        cells = (one["name"], package, *kinds, one.get("ssp", ""), f"`{one['example']}`", one["remarks"])
+        rows.append([cell or "–" for cell in cells])
+    return table(("master", "version", "FMI 2", "FMI 3", "SSP", "example", "remarks"), rows)
 
 
 def heading_arrows(axes: Any, data: Any, every: int, length: float = 0.45) -> None:
