@@ -17,7 +17,12 @@ from brunovsky.fmi import export_ssp, robot_system, robot_variants, shipped_bloc
 
 pytest.importorskip("fmu_manipulation_toolbox")
 EXAMPLE = Path(__file__).parents[2] / "fmu" / "examples" / "run_container.py"
-SHIPPED = [(name, version) for version in (2, 3) for name in shipped_fmus(version)]
+IN_CI = {("closed_loop", 2), ("linearized_robot", 3), ("sliding_mode_clocked", 3)}
+SHIPPED = [
+    pytest.param(name, version, marks=() if (name, version) in IN_CI else pytest.mark.slow)
+    for version in (2, 3)
+    for name in shipped_fmus(version)
+]
 STEP = 1e-3
 
 
