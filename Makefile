@@ -1,4 +1,5 @@
 # make run    the paper's comparison on a native FMU; make test  the test suite; both in .venv (make test ARGS='-k robot' picks)
+# make coverage  the tests of CI with what they cover, which takes half as long again
 PYTHON ?= python3
 VENV := .venv
 ARGS ?= -n auto
@@ -6,13 +7,16 @@ BIN := $(VENV)/bin
 # The matrices are small: threads of the linear algebra would only wait for each other.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: run test lint docs clean
+.PHONY: run test coverage lint docs clean
 run: $(VENV)/installed
 	$(BIN)/brunovsky build -o build
 	$(BIN)/brunovsky compare comparisons/paper.toml -o build/paper
 
 test: $(VENV)/installed-tests
 	$(BIN)/python -m pytest $(ARGS)
+
+coverage: $(VENV)/installed-tests
+	$(BIN)/python -m pytest -n auto -m 'not slow' --cov --cov-report=term:skip-covered -q
 
 lint: $(VENV)/installed-dev
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
