@@ -124,15 +124,12 @@ class FmuSimulation:
         log: list[str] = []
         recorders: list[Any] = []
 
-        def listen(_component: Any, _instance: Any, _status: int, _category: Any, message: Any) -> None:
-            log.append(message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message))
-
         def keep(_time: float, recorder: Any) -> bool:
             if not recorders:
                 recorders.append(recorder)
             return True
 
-        instance = fmpy.instantiate_fmu(str(self.folder), self.description, "CoSimulation", logger=listen)
+        instance = self._instance(log)
         try:
             rows = fmpy.simulate_fmu(
                 str(self.folder),
@@ -157,6 +154,21 @@ class FmuSimulation:
             with contextlib.suppress(Exception):  # some statuses forbid it
                 instance.freeInstance()
         return Outcome(_dataset(self.description, rows), Status())
+
+    def _instance(self, log: list[str]) -> Any:
+        """Instance whose messages go to the log."""
+        from fmpy.fmi2 import FMU2Slave
+
+        from brunovsky.fmi.callbacks import logging_callbacks
+
+        instance = FMU2Slave(
+            guid=self.description.guid,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            unzipDirectory=str(self.folder),
+            instanceName=self.description.modelName,
+        )
+        instance.instantiate(callbacks=logging_callbacks(lambda _category, message: log.append(message)))
+        return instance
 
     def provenance(self) -> dict[str, Any]:
         """Name of the engine and of the FMU, with its hash and the version of FMI and fmpy."""

@@ -16,12 +16,13 @@ from typing import Any, ClassVar, Self
 
 from fmpy import freeLibrary
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3ScheduledExecution, FMU3Slave
 from fmpy.model_description import ModelDescription, read_model_description
 
 from brunovsky.blocks import Block
 from brunovsky.errors import BrunovskyError
+from brunovsky.fmi.callbacks import logging_callbacks
 from brunovsky.fmi.contents import fmu_files
 
 
@@ -112,11 +113,7 @@ class _Instance2(_Instance):
     fmi_version = 2
 
     def _start(self, messages: deque[tuple[str, str]], logging: bool, **options: Any) -> None:
-        def log(_environment: Any, _name: bytes, _status: int, category: bytes, message: bytes) -> None:
-            messages.append((category.decode(), message.decode().replace("%%", "%")))
-
-        callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(log)
+        callbacks = logging_callbacks(lambda category, message: messages.append((category, message)))
         self.instantiate(callbacks=callbacks, loggingOn=logging, **options)  # type: ignore[attr-defined]
 
 

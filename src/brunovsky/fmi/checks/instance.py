@@ -12,6 +12,7 @@ from fmpy import fmi2, fmi3
 from fmpy.fmi1 import FMICallException
 from fmpy.model_description import ModelDescription
 
+from brunovsky.fmi.callbacks import logging_callbacks
 from brunovsky.fmi.checks.description import binary_path, interfaces
 from brunovsky.fmi.checks.experiment import Experiment, size
 
@@ -66,16 +67,9 @@ class Instance:
 
     def _instantiate(self) -> None:
         if self.version == 2:
-            callbacks = fmi2.fmi2CallbackFunctions()
-            callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log2)
-            callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
-            callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
-            self.fmu.instantiate(callbacks=callbacks)
+            self.fmu.instantiate(callbacks=logging_callbacks(lambda _category, message: self.messages.append(message)))
         else:
             self.fmu.instantiate(logMessage=self._log3)
-
-    def _log2(self, _environment: Any, _name: Any, _status: int, _category: Any, message: bytes | None) -> None:
-        self.messages.append((message or b"").decode(errors="replace"))
 
     def _log3(self, _environment: Any, _status: int, _category: Any, message: bytes | None) -> None:
         self.messages.append((message or b"").decode(errors="replace"))
