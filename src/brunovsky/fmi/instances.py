@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import tempfile
 import weakref
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
@@ -43,7 +44,7 @@ class ComponentError(BrunovskyError, FMICallException):  # type: ignore[misc]
         self.status = status
 
 
-class _Instance:
+class _Instance(ABC):
     """What all kinds of component have: the files, the instance behind them, its messages and its end."""
 
     fmi_version: ClassVar[int]
@@ -75,9 +76,9 @@ class _Instance:
         free = getattr(library, f"fmi{self.fmi_version}FreeInstance")
         self._close = weakref.finalize(self, _release, free, ctypes.c_void_p(self.component), library._handle, folder)
 
+    @abstractmethod
     def _start(self, messages: deque[tuple[str, str]], logging: bool, **options: Any) -> None:
         """Instantiate, with a log that writes to the messages and doesn't hold this object."""
-        raise NotImplementedError
 
     def _call(self, name: str, *arguments: Any) -> Any:
         if self._close and not self._close.alive:  # the library is unloaded
