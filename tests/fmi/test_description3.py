@@ -12,6 +12,7 @@ from lxml import etree
 from brunovsky.blocks import Block, Clock, Diagram, Input, Output, Parameter, Sample, State, library, symbols
 from brunovsky.fmi import description3, scalar_variables, shipped_block, shipped_fmus
 from brunovsky.fmi.build_description import build_description
+from brunovsky.fmi.indicators import indicators
 from brunovsky.fmi.variables import reference_offsets
 
 sys.path.append(str(Path(__file__).parents[1] / "blocks"))
@@ -75,7 +76,7 @@ def test_fmpy_finds_nothing_in_any_block(any_block: Block, arrays: bool, describ
     assert all(one.unit for one in description.modelVariables if one.type == "Float64")
     states = [one.variable.derivative for one in description.derivatives]
     assert sum(one.shape[0] if one.shape else 1 for one in states) == len(any_block.states)
-    assert len(description.eventIndicators) == len(any_block.indicators)
+    assert len(description.eventIndicators) == len(indicators(any_block))
 
 
 def test_scalars_are_those_of_fmi_2(any_block: Block, described: Describe) -> None:
@@ -89,9 +90,17 @@ def test_scalars_are_those_of_fmi_2(any_block: Block, described: Describe) -> No
         assert other.type == types.get(one.type, one.type)
         assert {key: getattr(other, key) for key in keys} == {key: getattr(one, key) for key in keys}
         assert getattr(other.derivative, "name", None) == getattr(one.derivative, "name", None)
-    assert len(third) == len(any_block.indicators)
+    assert len(third) == len(indicators(any_block))
     references = [one.valueReference for one in third.values()]
     assert references == list(range(reference_offsets(any_block)["indicators"], reference_offsets(any_block)["end"]))
+
+
+def test_an_indicator_that_is_a_state_is_no_unknown_of_initialisation(described: Describe) -> None:
+    (x,) = symbols("x")
+    block = Block("watched", states=[State("x", "m", derivative=-x, start=1)], outputs=[Output("up", expression=x > 0)])
+    description = described(block)  # validated
+    assert [one.variable.name for one in description.initialUnknowns] == ["up", "x", "der(x)"]
+    assert block.indicators == (x,) and len(description.eventIndicators) == 1
 
 
 def test_both_interfaces_say_what_they_can() -> None:

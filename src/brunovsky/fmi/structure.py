@@ -14,7 +14,7 @@ import sympy as sp
 
 from brunovsky.blocks import Block
 from brunovsky.fmi.dependencies import InitialDependencies, Kinds, RunningDependencies
-from brunovsky.fmi.variables import ScalarVariable, reference_offsets
+from brunovsky.fmi.variables import ScalarVariable
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def model_structure(block: Block, variables: Sequence[ScalarVariable], fmi_versi
     block : Block
         What the FMU runs.
     variables : sequence of ScalarVariable
-        Its table of variables; event indicators are found by their value references.
+        Its table of variables.
     fmi_version : int
         2, or 3, where parameters are knowns after initialisation too.
 
@@ -71,16 +71,11 @@ def _model_structure(block: Block, variables: tuple[ScalarVariable, ...], fmi_ve
     }
     outputs = [index for index, one in rows.items() if one.causality == "output"]
     derivatives = [index for index, one in rows.items() if one.derivative_of]
-    first = reference_offsets(block)["indicators"]
-    indicators = {
-        index: block.indicators[one.reference - first]
-        for index, one in rows.items()
-        if first <= one.reference < first + len(block.indicators)
-    }
+    indicators = [index for index, one in rows.items() if one.indicator]
     initial = [
         index
         for index, expression in expressions.items()
-        if index in outputs or index in derivatives or expression in states
+        if index in outputs or index in derivatives or (expression in states and index not in indicators)
     ]
     symbols = _knowns(block, variables)
     running = RunningDependencies(block, symbols.keys() - (parameters if fmi_version == 2 else set()))
@@ -100,7 +95,7 @@ def _model_structure(block: Block, variables: tuple[ScalarVariable, ...], fmi_ve
         tuple(unknown(index, at_ticks(expressions[index])) for index in outputs),
         tuple(unknown(index, at_ticks(expressions[index])) for index in derivatives),
         tuple(unknown(index, initially(expressions[index]), ticks=False) for index in sorted(initial)),
-        tuple(unknown(index, running(indicators[index])) for index in sorted(indicators)),
+        tuple(unknown(index, running(expressions[index])) for index in indicators),
     )
 
 
