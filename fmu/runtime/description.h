@@ -2,7 +2,7 @@
  *
  * Value references follow from the model's counts alone, one numbering for all types: 0 time, 1 step_size, 2 solver,
  * and from 3 on parameters, inputs, outputs, states, samples, modes, derivatives, event indicators, clocks. FMI 2 shows
- * no variables for the last two.
+ * no variables for the last two; without model exchange there are no indicators.
  */
 #ifndef BRUNOVSKY_DESCRIPTION_H
 #define BRUNOVSKY_DESCRIPTION_H
@@ -28,6 +28,7 @@ typedef struct {
     const int *p_tunable;        /* 0 or 1 */
     const unsigned *spans;       /* how many elements a value reference names: n for an array, whose reference is that of
                                     its first element, 0 for the others of it; a null pointer if all are scalars */
+    const char *refused[3];      /* why there is none of an interface, by its number; a null pointer if there is one */
     const Dependency *initial, *running; /* of initialization mode and afterwards, unknown by unknown */
     int n_initial, n_running;
 } Description;

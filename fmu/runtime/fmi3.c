@@ -99,15 +99,6 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     return fmu;
 }
 
-/* Whether nothing but ticks of clocks makes the block act. */
-static int clocks_alone(void)
-{
-    for (int i = 0; i < brunovsky_model.nq; i++)
-        if (!brunovsky_model.nk || brunovsky_model.q_clock[i] < 0)
-            return 0;
-    return brunovsky_model.nk && !brunovsky_model.nx;
-}
-
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
                                                fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
                                                fmi3InstanceEnvironment instanceEnvironment,
@@ -115,16 +106,10 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3LockPreemptionCallback lockPreemption,
                                                fmi3UnlockPreemptionCallback unlockPreemption)
 {
-    const Logger logger = {write_log, (void (*)(void))logMessage, instanceEnvironment, instanceName ? instanceName : "?"};
     Fmu *fmu;
     (void)resourcePath;
     (void)visible;
     (void)clockUpdate;
-    if (!clocks_alone()) {
-        fmu_log(&logger, STATUS_ERROR, "logStatusError",
-                "%s: scheduled execution is for blocks with clocks, without continuous states or other samples", __func__);
-        return NULL;
-    }
     fmu = instantiate(__func__, SCHEDULED_EXECUTION, instanceName, instantiationToken, loggingOn, instanceEnvironment,
                       logMessage);
     if (fmu && lockPreemption && unlockPreemption) {

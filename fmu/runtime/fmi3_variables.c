@@ -3,6 +3,7 @@
 
 #include "fmi3.h"
 #include "sensitivity.h"
+#include "variables.h"
 
 #define SETTABLE (INSTANTIATED | INITIALIZATION | STEP | EVENT | CONTINUOUS_TIME | INTERMEDIATE | ACTIVATION)
 
@@ -10,10 +11,9 @@
  * what is inside an array, are refused where they are looked up. */
 static size_t span(fmi3ValueReference reference)
 {
-    const Model *model = &brunovsky_model;
-    const unsigned known = 3 + (unsigned)(model->np + model->nu + model->ny + 2 * model->nx + model->nq + model->nm +
-                                          model->nz + model->nk);
-    return brunovsky_description.spans && reference < known ? brunovsky_description.spans[reference] : 1;
+    const unsigned *spans = brunovsky_description.spans;
+    int index;
+    return spans && variable_locate(reference, &index) != UNKNOWN ? spans[reference] : 1;
 }
 
 /* Whether so many values do not belong to these variables, with a message. */

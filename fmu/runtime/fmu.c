@@ -135,6 +135,10 @@ Fmu *fmu_new(const char *function, Logger logger, Interface interface, const cha
         fmu_log(&logger, STATUS_ERROR, "logStatusError", "%s: the instance has no name", function);
         return NULL;
     }
+    if (brunovsky_description.refused[interface]) {
+        fmu_log(&logger, STATUS_ERROR, "logStatusError", "%s: %s", function, brunovsky_description.refused[interface]);
+        return NULL;
+    }
     if (!token || strcmp(token, brunovsky_description.token) != 0) {
         fmu_log(&logger, STATUS_ERROR, "logStatusError",
                 "%s: the token is %s, but this binary has %s; do not mix files of different FMUs", function,

@@ -10,12 +10,13 @@
 Kind variable_locate(unsigned reference, int *index)
 {
     const Model *model = &brunovsky_model;
+    const int indicators = brunovsky_description.refused[MODEL_EXCHANGE] ? 0 : model->nz;
     const struct {
         Kind kind;
         int count;
     } groups[] = {{TIME, 1},           {STEP_SIZE, 1},     {SOLVER, 1},         {PARAMETER, model->np},
                   {INPUT, model->nu},  {OUTPUT, model->ny}, {STATE, model->nx}, {SAMPLE, model->nq},
-                  {MODE, model->nm},   {DERIVATIVE, model->nx}, {INDICATOR, model->nz}, {CLOCK_TICK, model->nk}};
+                  {MODE, model->nm},   {DERIVATIVE, model->nx}, {INDICATOR, indicators}, {CLOCK_TICK, model->nk}};
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
         if (reference < (unsigned)groups[i].count) {
             *index = (int)reference;

@@ -149,7 +149,10 @@ def test_its_folder_lives_as_long_as_it_does(sampled_integrator):
     [
         ({"fmi_version": 1}, "FMI 1 is not available; use fmi_version=2"),
         ({"interface": "ScheduledExecution"}, "'ScheduledExecution' of .*; use CoSimulation or ModelExchange"),
-        ({"interface": "ScheduledExecution", "fmi_version": 3}, "in FMI 3; use CoSimulation or ModelExchange"),
+        (
+            {"interface": "ScheduledExecution", "fmi_version": 3},
+            "in FMI 3: .* for blocks with clocks, .*; use CoSimulation or ModelExchange",
+        ),
         ({"event_mode_used": True}, "options of co-simulation in FMI 3"),
         ({"early_return_allowed": True, "fmi_version": 3, "interface": "ModelExchange"}, "options of co-simulation"),
     ],

@@ -25,7 +25,8 @@ def export_fmu(
 ) -> Path:
     """Write an FMU for co-simulation and model exchange, with its sources.
 
-    A block that clocks alone make act has scheduled execution as well (FMI 3).
+    A block that clocks alone make act has scheduled execution as well (FMI 3); one with a sign function that has no
+    width, as its parameters are by default, has no model exchange.
 
     The file is written whole or not at all, and has the same bytes for equal blocks and compilers.
 

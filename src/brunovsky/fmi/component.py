@@ -7,7 +7,6 @@ from typing import Any, Literal
 
 from brunovsky.blocks import Block
 from brunovsky.errors import ParameterError
-from brunovsky.fmi.clocking import is_clocked
 from brunovsky.fmi.contents import check_version
 from brunovsky.fmi.instances import (
     FMU2ModelComponent,
@@ -16,6 +15,7 @@ from brunovsky.fmi.instances import (
     FMU3ScheduledComponent,
     FMU3SlaveComponent,
 )
+from brunovsky.fmi.interfaces import refused_interfaces
 
 Component = FMU2SlaveComponent | FMU2ModelComponent | FMU3SlaveComponent | FMU3ModelComponent | FMU3ScheduledComponent
 Interface = Literal["CoSimulation", "ModelExchange", "ScheduledExecution"]
@@ -52,7 +52,8 @@ def component(
         2 or 3. A block with clocks needs 3.
     interface : {"CoSimulation", "ModelExchange", "ScheduledExecution"}
         Which of fmpy's classes it is: ``FMU2Slave``, ``FMU2Model``, ``FMU3Slave``, ``FMU3Model`` or
-        ``FMU3ScheduledExecution``. The last one is for blocks that clocks alone make act.
+        ``FMU3ScheduledExecution``. Model exchange
+        is not for a sign function without a width; the last one is for blocks that clocks alone make act.
     instance_name : str, optional
         The name of the block by default.
     logging : bool
@@ -78,7 +79,8 @@ def component(
     Raises
     ------
     ParameterError
-        For a version or interface that is not available, and for options that an interface doesn't have.
+        For a version that is not available or an interface that the block's FMU doesn't have, and for options that an
+        interface doesn't have.
     ModelError
         For FMI 2 of a block with clocks.
     CompilerError
@@ -95,12 +97,13 @@ def component(
             robot.reset()
     """
     check_version(block, fmi_version)
-    kinds = {
-        name: kind for name, kind in _CLASSES[fmi_version].items() if name != "ScheduledExecution" or is_clocked(block)
-    }
+    refused = refused_interfaces(block)
+    kinds = {name: kind for name, kind in _CLASSES[fmi_version].items() if name not in refused}
     if interface not in kinds:
+        reason = f": {refused[interface]}" if interface in _CLASSES[fmi_version] else ""
         raise ParameterError(
-            f"there is no interface '{interface}' of {block.name} in FMI {fmi_version}; use {' or '.join(kinds)}"
+            f"there is no interface '{interface}' of {block.name} in FMI {fmi_version}{reason}; "
+            f"use {' or '.join(kinds)}"
         )
     given: dict[str, Any] = {
         "eventModeUsed": event_mode_used,

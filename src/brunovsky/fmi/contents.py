@@ -17,11 +17,13 @@ from brunovsky.fmi.binaries import binary_files, headers_folder
 from brunovsky.fmi.build_description import build_description
 from brunovsky.fmi.documentation import documentation
 from brunovsky.fmi.icon import icon
+from brunovsky.fmi.interfaces import INTERFACES, refused_interfaces
 from brunovsky.fmi.platforms import HOST, chosen_platforms
 from brunovsky.fmi.structure import dependency_tables
 from brunovsky.fmi.terminals import terminals_and_icons
 from brunovsky.fmi.variables import reference_offsets, scalar_variables
 from brunovsky.native import jacobian_source, model_source
+from brunovsky.native.code import quoted
 from brunovsky.native.library import ENGINE_HEADERS, ENGINE_SOURCES
 from brunovsky.native.output_derivatives import output_derivatives_source
 
@@ -161,6 +163,8 @@ def description_source(block: Block, token: str, arrays: bool = False) -> str:
     fields |= {name: name for name in ("m_names", "z_names", "y_types", "p_tunable", "initial", "running")}
     fields |= {f"n_{name}": f"sizeof {name} / sizeof *{name} - 1" for name in ("initial", "running")}
     fields["spans"] = "spans" if lengths else "0"
+    refused = refused_interfaces(block)
+    fields["refused"] = f"{{{', '.join(quoted(refused[one]) if one in refused else '0' for one in INTERFACES)}}}"
     return "\n".join(
         [
             f'/* Generated from the block "{block.name}". Do not edit. */',

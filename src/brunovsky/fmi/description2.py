@@ -18,6 +18,8 @@ from brunovsky.fmi.definitions import (
     root_element,
     xml_text,
 )
+from brunovsky.fmi.indicators import indicators
+from brunovsky.fmi.interfaces import refused_interfaces
 from brunovsky.fmi.structure import Unknown, model_structure
 from brunovsky.fmi.variables import ScalarVariable, scalar_variables
 from brunovsky.native.output_derivatives import output_derivatives
@@ -43,7 +45,7 @@ def model_description(block: Block, token: str, source_files: Sequence[str], ver
         UTF-8, the same for equal arguments.
     """
     variables = scalar_variables(block)
-    own = {"fmiVersion": "2.0", "guid": token, "numberOfEventIndicators": str(len(block.indicators))}
+    own = {"fmiVersion": "2.0", "guid": token, "numberOfEventIndicators": str(len(indicators(block)))}
     root = root_element(block, version, own)
     _interfaces(root, block, source_files)
     add_units(root, variables)
@@ -65,11 +67,18 @@ def _interfaces(root: etree._Element, block: Block, source_files: Sequence[str])
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     }
-    for tag, own in (
-        ("ModelExchange", {"completedIntegratorStepNotNeeded": "false"}),
-        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "true",
-                          "maxOutputDerivativeOrder": str(output_derivatives(block).order)}),
-    ):  # fmt: skip
+    flags = {
+        "ModelExchange": {"completedIntegratorStepNotNeeded": "false"},
+        "CoSimulation": {
+            "canHandleVariableCommunicationStepSize": "true",
+            "canInterpolateInputs": "true",
+            "maxOutputDerivativeOrder": str(output_derivatives(block).order),
+        },
+    }
+    refused = refused_interfaces(block)
+    for tag, own in flags.items():
+        if tag in refused:
+            continue
         files = etree.SubElement(etree.SubElement(root, tag, common | own), "SourceFiles")
         for file in source_files:
             etree.SubElement(files, "File", name=file)

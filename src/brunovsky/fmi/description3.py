@@ -8,7 +8,7 @@ from lxml import etree
 
 from brunovsky.blocks import Block
 from brunovsky.fmi.arrays import ArrayVariable, array_variables
-from brunovsky.fmi.clocking import clock_priorities, is_clocked
+from brunovsky.fmi.clocking import clock_priorities
 from brunovsky.fmi.definitions import (
     SOLVER_DESCRIPTION,
     SOLVER_TYPE,
@@ -20,6 +20,7 @@ from brunovsky.fmi.definitions import (
     root_element,
     xml_text,
 )
+from brunovsky.fmi.interfaces import refused_interfaces
 from brunovsky.fmi.structure import Unknown, model_structure
 from brunovsky.fmi.variables import scalar_variables
 from brunovsky.native.output_derivatives import output_derivatives
@@ -80,10 +81,11 @@ def model_description(block: Block, token: str, version: str, arrays: bool = Fal
 
 
 def _interfaces(root: etree._Element, block: Block) -> None:
-    flags = {"ModelExchange": _MODEL_EXCHANGE, "CoSimulation": _CO_SIMULATION}
-    if is_clocked(block):
-        flags["ScheduledExecution"] = ()
+    flags = {"ModelExchange": _MODEL_EXCHANGE, "CoSimulation": _CO_SIMULATION, "ScheduledExecution": ()}
+    refused = refused_interfaces(block)
     for tag, own in flags.items():
+        if tag in refused:
+            continue
         element = etree.SubElement(root, tag, modelIdentifier=block.name)
         element.set("canBeInstantiatedOnlyOncePerProcess", "false")
         element.attrib.update(dict.fromkeys((*_COMMON, *own), "true"))

@@ -11,6 +11,7 @@ import sympy as sp
 from brunovsky.blocks import TIME, Block
 from brunovsky.blocks.units import BASE_UNITS, unit_exponents
 from brunovsky.blocks.variables import NAME
+from brunovsky.fmi.interfaces import has_model_exchange
 
 Exponents = tuple[sp.Rational, ...]
 _LONGEST = 100
@@ -31,8 +32,11 @@ def indicators(block: Block) -> tuple[Indicator, ...]:
     """Event indicators of a block, in the order of :attr:`brunovsky.blocks.Block.indicators`.
 
     Each is called ``indicator_NAME`` by the relation it belongs to (``part.indicator_NAME`` for one of a diagram's
-    part). Where the unit of its expression cannot be found out it is ``"1"``.
+    part). Where the unit of its expression cannot be found out it is ``"1"``. Without model exchange, which alone reads
+    them, there are none.
     """
+    if not has_model_exchange(block):
+        return ()
     taken = {one.name for one in block.variables} | {one.name for one in block.clocks} | {"time", "step_size", "solver"}
     units = {one.symbol: unit_exponents(one.unit) for one in block.variables} | {TIME: unit_exponents("s")}
     written = {unit_exponents(one.unit): one.unit for one in reversed(block.variables)}

@@ -13,6 +13,7 @@ from brunovsky.blocks.units import derivative_unit
 from brunovsky.errors import ModelError
 from brunovsky.fmi.clocking import clocks_by_name
 from brunovsky.fmi.indicators import indicators
+from brunovsky.fmi.interfaces import has_model_exchange
 
 STEP_SIZE = 1e-3
 """Default of ``step_size``, s; the same number is in the runtime."""
@@ -48,7 +49,7 @@ class ScalarVariable:
     derivative_of : str
         For a derivative the name of its state.
     reinit : bool
-        Whether a transition resets the state.
+        Whether a transition resets the state, where the FMU has model exchange.
     indicator : bool
         Whether it is an event indicator (a variable of its own in FMI 3).
     clocks : tuple of str
@@ -94,7 +95,8 @@ def scalar_variables(block: Block, fmi_version: int = 2) -> tuple[ScalarVariable
     """
     offsets = reference_offsets(block)
     shown = {one.name for one in block.outputs}
-    reset = {target for one in block.transitions for target in one.assign}
+    transitions = block.transitions if has_model_exchange(block) else ()
+    reset = {target for one in transitions for target in one.assign}
     table = [*_common(block)]
     table += [_parameter(one, offsets["parameters"] + i) for i, one in enumerate(block.parameters)]
     table += [_input(one, offsets["inputs"] + i) for i, one in enumerate(block.inputs)]
@@ -140,7 +142,11 @@ def scalar_variables(block: Block, fmi_version: int = 2) -> tuple[ScalarVariable
 def reference_offsets(block: Block) -> dict[str, int]:
     """First value reference of each kind of variable, and as ``"end"`` that after the last one; as in the runtime."""
     counts = [(key, len(getattr(block, key))) for key in _KINDS]
-    counts += [("derivatives", len(block.states)), ("indicators", len(block.indicators)), ("clocks", len(block.clocks))]
+    counts += [
+        ("derivatives", len(block.states)),
+        ("indicators", len(indicators(block))),
+        ("clocks", len(block.clocks)),
+    ]
     offsets, base = {}, 3
     for key, count in counts:
         offsets[key] = base

@@ -199,7 +199,8 @@ def _comment(text: str) -> str:
     return text.replace("*/", "* /").replace("\n", " ")
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
+    """Text as a string literal of C."""
     escaped = text.encode("unicode_escape").decode("ascii").replace('"', '\\"') if not text.isascii() else text
     if text.isascii():
         escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
@@ -208,7 +209,7 @@ def _quoted(text: str) -> str:
 
 def _tables(block: Block) -> list[str]:
     def strings(name: str, items: Iterable[str]) -> str:
-        return f"static const char *const {name}[] = {{{', '.join([*map(_quoted, items), '0'])}}};"
+        return f"static const char *const {name}[] = {{{', '.join([*map(quoted, items), '0'])}}};"
 
     def numbers(kind: str, name: str, items: Iterable[float]) -> str:
         return f"static const {kind} {name}[] = {{{', '.join([*map(_number, items), '0'])}}};"
@@ -261,7 +262,7 @@ def _model(block: Block) -> str:
     tables += " k_names k_parameter k_period q_clock x_nominal"
     functions = "start periods derivatives outputs indicators relations updates fire start_check failure_check"
     names = f"{tables} check_messages {functions}".split()
-    fields = [f".name = {_quoted(block.name)}"]
+    fields = [f".name = {quoted(block.name)}"]
     fields += [f".{key} = {len(group)}" for key, group in counts.items()]
     fields += [f".ranks = {max((one.rank for one in block.samples), default=-1) + 1}"]
     fields += [f".{name} = {name}" for name in names]

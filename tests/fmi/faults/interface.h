@@ -43,7 +43,8 @@ enum { TIME = 0, STEP_SIZE = 1, SOLVER = 2, FIRST_PARAMETER = 3, MAX_VALUES = 51
 #define FIRST_MODE (FIRST_SAMPLE + (unsigned)brunovsky_model.nq)
 #define FIRST_DERIVATIVE (FIRST_MODE + (unsigned)brunovsky_model.nm)
 #define FIRST_INDICATOR (FIRST_DERIVATIVE + (unsigned)brunovsky_model.nx)
-#define FIRST_CLOCK (FIRST_INDICATOR + (unsigned)brunovsky_model.nz)
+#define INDICATORS (brunovsky_description.refused[MODEL_EXCHANGE] ? 0u : (unsigned)brunovsky_model.nz)
+#define FIRST_CLOCK (FIRST_INDICATOR + INDICATORS)
 /* Number of variables, and a value reference that no model has. */
 #define VARIABLES (FIRST_CLOCK + (FMI == 3 ? (unsigned)brunovsky_model.nk : 0))
 #define BEYOND 100000u

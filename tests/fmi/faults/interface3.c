@@ -50,11 +50,11 @@ void subject_instantiate(Subject *subject, int kind)
 void subject_misuse(Subject *subject)
 {
     const char *token = brunovsky_description.token, *const names[] = {NULL, ""}, *const tokens[] = {NULL, "{0}", ""};
-    const int kind = random_kind();
+    const int kind = random_kind(), other = chance(50) ? SCHEDULED : MODEL_EXCHANGE;
     void *component;
     clear_log(subject);
-    if (!has_kind(SCHEDULED) && chance(20))
-        component = make(subject, "one", token, SCHEDULED, 0);
+    if (!has_kind(other) && chance(20))
+        component = make(subject, "one", token, other, 0);
     else if (chance(50))
         component = make(subject, names[draw(2)], token, kind, 0);
     else
@@ -68,6 +68,8 @@ int has_kind(int kind)
     int timed = 0;
     for (int i = 0; brunovsky_model.nk && i < brunovsky_model.nq; i++)
         timed |= brunovsky_model.q_clock[i] < 0;
+    if (kind == MODEL_EXCHANGE)
+        return !brunovsky_description.refused[kind];
     return kind != SCHEDULED || (brunovsky_model.nk && !brunovsky_model.nx && !timed);
 }
 
@@ -194,10 +196,7 @@ size_t subject_run(Subject *subject, int solver, double *found, size_t count)
     EXPECT(fmi3EnterInitializationMode(c, 1, 1e-6, 0, 0, 0) == fmi3OK, MESSAGE, subject->message);
     subject->phase = INITIALIZATION;
     set_inputs(subject, 0);
-    if (fmi3ExitInitializationMode(c) != fmi3OK) { /* a block that model exchange refuses */
-        found[0] = subject->logged[ERROR];
-        return 1;
-    }
+    EXPECT(fmi3ExitInitializationMode(c) == fmi3OK, MESSAGE, subject->message);
     if (subject->kind == MODEL_EXCHANGE)
         next = settle_events(subject);
     else if (subject->kind == EVENT_MODE || subject->kind == EARLY_RETURN)

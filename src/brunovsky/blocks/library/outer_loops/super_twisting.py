@@ -63,7 +63,8 @@ def super_twisting(
     -------
     Block
         Inputs those of :class:`Chains`, outputs ``v[i]`` and ``S[i]``, states ``w[i]``; parameters ``C[k]``, or
-        ``Ci[k]``, ``k[1]``, ``k[2]``, ``L`` or ``L[i]``. Model exchange refuses it: sign(S) has no end of events.
+        ``Ci[k]``, ``k[1]``, ``k[2]``, ``L`` or ``L[i]``. Its FMU has no model exchange: sign(S) has no end of
+        events there.
 
     Raises
     ------
