@@ -164,13 +164,10 @@ static double factor(double error)
 /* Whether relations within the step are not what they are frozen at. */
 static int differs(const Step *step, double fraction)
 {
-    const Engine *e = step->engine;
-    int *now = e->r + e->model->nr;
+    const double time = step->engine->time + fraction * step->size;
     interpolate(step, fraction, step->inside);
-    memcpy(now, e->r, (size_t)e->model->nr * sizeof *now);
-    inputs_at(e, e->time + fraction * step->size);
-    e->model->relations(e->time + fraction * step->size, step->inside, e->u, e->p, e->q, e->m, now);
-    return memcmp(now, e->r, (size_t)e->model->acting * sizeof *now) != 0;
+    inputs_at(step->engine, time);
+    return engine_relations_differ(step->engine, time, step->inside);
 }
 
 /* Part of the step just after which relations first differ from what they are frozen at, HUGE_VAL if nowhere. */

@@ -26,7 +26,7 @@ Engine *engine_new(const Model *model, double step_size)
     const size_t nx = (size_t)model->nx, nq = (size_t)model->nq;
     const size_t trial = 2 * (nx + (size_t)model->ny) + nq; /* of event_matters */
     const size_t doubles = doubles_saved(model) + (size_t)(model->nu + model->ny) + 9 * nx + 2 * nq + trial + 1;
-    const size_t integers = (size_t)(2 * model->nm + 3 * model->nr + model->nk) + 1;
+    const size_t integers = (size_t)(2 * model->nm + 2 * model->nr + model->nk) + 1;
     Engine *engine = calloc(1, sizeof *engine);
     double *store = calloc(doubles, sizeof *store);
     long long *due = calloc(nq + 1, sizeof *due);
@@ -60,7 +60,7 @@ Engine *engine_new(const Model *model, double step_size)
     engine->due = due;
     engine->m = flags;
     engine->r = flags + 2 * model->nm;
-    engine->active = engine->r + 3 * model->nr;
+    engine->active = engine->r + 2 * model->nr;
     engine->reason = "";
     engine_reset(engine);
     return engine;

@@ -63,6 +63,8 @@ ENGINE_API int engine_start(Engine *engine, double start_time, int model_exchang
 /* Due samples, then relations and transitions until nothing changes. */
 ENGINE_API int engine_event(Engine *engine);
 ENGINE_API void engine_relations(Engine *engine);
+/* Whether relations at this time and these states are not what they are frozen at. */
+ENGINE_API int engine_relations_differ(const Engine *engine, double time, const double *x);
 ENGINE_API double engine_next_sample(const Engine *engine); /* instant of the next sample; HUGE_VAL if there is none */
 
 /* A tick of a clock at the present instant begins, or is taken back. The next engine_event makes it final;

@@ -6,24 +6,24 @@
 
 #define MAX_EVENT_ITERATIONS 20
 
-static void evaluate_relations(const Engine *e, int *relations)
+/* Relations of a moment, beside those that are frozen. */
+static int *relations_now(const Engine *e)
 {
-    memcpy(relations, e->r, (size_t)e->model->nr * sizeof *relations);
-    e->model->relations(e->time, e->x, e->u, e->p, e->q, e->m, relations);
+    return e->r + e->model->nr;
 }
 
-int engine_relations_differ(Engine *engine)
+int engine_relations_differ(const Engine *e, double time, const double *x)
 {
-    int *now = engine->r + 2 * engine->model->nr;
-    if (!engine->model->acting)
+    int *now = relations_now(e);
+    if (!e->model->acting)
         return 0;
-    evaluate_relations(engine, now);
-    return memcmp(now, engine->r, (size_t)engine->model->acting * sizeof *now) != 0;
+    e->model->relations(time, x, e->u, e->p, e->q, e->m, now);
+    return memcmp(now, e->r, (size_t)e->model->acting * sizeof *now) != 0;
 }
 
 void engine_relations(Engine *engine)
 {
-    const int switched = engine->observe && engine_relations_differ(engine);
+    const int switched = engine->observe && engine_relations_differ(engine, engine->time, engine->x);
     if (engine->model->nr)
         engine->model->relations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m, engine->r);
     if (switched)
@@ -34,9 +34,9 @@ int engine_event_matters(Engine *e)
 {
     const Model *model = e->model;
     const size_t nx = (size_t)model->nx, nq = (size_t)model->nq, ny = (size_t)model->ny;
-    const int *now = e->r + 2 * model->nr;
+    const int *now = relations_now(e);
     double *old = e->trial, *new = old + nx + ny;
-    if (!engine_relations_differ(e))
+    if (!engine_relations_differ(e, e->time, e->x))
         return 0;
     memcpy(old, e->x, (nx + nq) * sizeof *old);
     memcpy(e->m + model->nm, e->m, (size_t)model->nm * sizeof *e->m);

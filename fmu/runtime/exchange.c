@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#define INDICATOR_SHIFT 1e-12 /* an indicator is this far from zero after its event, as FMI recommends */
+
 static Result counted(Instance *instance, const char *what, size_t count, int expected)
 {
     if (count == (size_t)expected)
@@ -11,6 +13,30 @@ static Result counted(Instance *instance, const char *what, size_t count, int ex
     return instance_report(instance, FAILED, "%lu %s were given or asked for, but there are %d", (unsigned long)count, what,
                            expected);
 }
+
+/* Indicators ------------------------------------------------------------------------------------------------------- */
+
+static int side_of(double indicator)
+{
+    return (indicator > 0) - (indicator < 0);
+}
+
+void instance_choose_sides(Instance *instance)
+{
+    engine_indicators(instance->engine, instance->z);
+    for (int i = 0; i < instance->engine->model->nz; i++)
+        instance->side[i] = side_of(instance->z[i]);
+}
+
+const double *instance_indicators(Instance *instance)
+{
+    engine_indicators(instance->engine, instance->z);
+    for (int i = 0; i < instance->engine->model->nz; i++)
+        instance->z[i] += instance->side[i] * INDICATOR_SHIFT;
+    return instance->z;
+}
+
+/* Model exchange --------------------------------------------------------------------------------------------------- */
 
 Result instance_set_time(Instance *instance, double time)
 {
@@ -102,16 +128,12 @@ Result instance_enter_continuous_time(Instance *instance)
 
 /* An event is needed where a relation no longer is what it was frozen at: the solver may have stepped over a crossing,
  * or started exactly on one, where an indicator has no side to come from. */
-Result instance_complete_step(Instance *instance, int *event_needed)
+int instance_complete_step(Instance *instance)
 {
-    const Engine *engine = instance->engine;
-    const Model *model = engine->model;
-    memcpy(instance->r, engine->r, (size_t)model->nr * sizeof *instance->r);
-    model->relations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m, instance->r);
-    *event_needed = memcmp(instance->r, engine->r, (size_t)model->acting * sizeof *instance->r) != 0;
-    engine_indicators(instance->engine, instance->z);
-    for (int i = 0; i < model->nz; i++)
+    Engine *engine = instance->engine;
+    engine_indicators(engine, instance->z);
+    for (int i = 0; i < engine->model->nz; i++)
         if (!instance->side[i])
-            instance->side[i] = (instance->z[i] > 0) - (instance->z[i] < 0);
-    return DONE;
+            instance->side[i] = side_of(instance->z[i]);
+    return engine_relations_differ(engine, engine->time, engine->x);
 }

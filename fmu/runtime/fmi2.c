@@ -315,12 +315,10 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
                                        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
 {
     Fmu *fmu = c;
-    int needed = 0;
     (void)noSetFMUStatePriorToCurrentPoint;
     if (refused(fmu, __func__, CONTINUOUS_TIME) || missing(fmu, __func__, 1, enterEventMode, terminateSimulation))
         return fmi2Error;
-    instance_complete_step(fmu->instance, &needed);
-    *enterEventMode = needed ? fmi2True : fmi2False;
+    *enterEventMode = instance_complete_step(fmu->instance) ? fmi2True : fmi2False;
     *terminateSimulation = fmi2False;
     return fmi2OK;
 }

@@ -263,13 +263,11 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetF
                                        fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
 {
     const Fmu *fmu = instance;
-    int needed = 0;
     (void)noSetFMUStatePriorToCurrentPoint;
     if (refused_exchange(fmu, __func__, CONTINUOUS_TIME) ||
         fmu_missing(fmu, __func__, 1, enterEventMode, terminateSimulation))
         return fmi3Error;
-    instance_complete_step(fmu->instance, &needed);
-    *enterEventMode = needed != 0;
+    *enterEventMode = instance_complete_step(fmu->instance) != 0;
     *terminateSimulation = false;
     return fmi3OK;
 }

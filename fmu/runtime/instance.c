@@ -1,7 +1,6 @@
 /* Life cycle, steps and events of an FMU. See instance.h; the equations and their semantics are in engine.c. */
 #include "instance.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -13,7 +12,6 @@
 #include "variables.h"
 
 #define DEFAULT_STEP_SIZE 1e-3
-#define INDICATOR_SHIFT 1e-12 /* an indicator is this far from zero after its event, as FMI recommends */
 
 Result instance_report(Instance *instance, Result result, const char *format, ...)
 {
@@ -33,7 +31,7 @@ Instance *instance_new(Interface interface)
     instance->engine = engine_new(model, DEFAULT_STEP_SIZE);
     instance->dx = calloc((size_t)(2 * model->nx + model->nz + model->nq + model->nk) + 1, sizeof *instance->dx);
     instance->dy = calloc((size_t)(brunovsky_output_derivatives.order * model->ny) + 1, sizeof *instance->dy);
-    instance->side = calloc((size_t)(model->nz + model->nr + 2 * model->nm + model->ny) + 1, sizeof *instance->side);
+    instance->side = calloc((size_t)(model->nz + 2 * model->nm + model->ny) + 1, sizeof *instance->side);
     instance->sensitivity = sensitivity_new();
     if (!instance->engine || !instance->dx || !instance->dy || !instance->side || !instance->sensitivity) {
         instance_free(instance);
@@ -42,8 +40,7 @@ Instance *instance_new(Interface interface)
     instance->z = instance->dx + model->nx;
     instance->before = instance->z + model->nz;
     instance->activation = instance->before + model->nx + model->nq;
-    instance->r = instance->side + model->nz;
-    instance->modes_before = instance->r + model->nr;
+    instance->modes_before = instance->side + model->nz;
     instance->told = instance->modes_before + model->nm;
     instance->interface = interface;
     instance_use_events(instance, 0, 0);
@@ -181,14 +178,6 @@ const double *instance_derivatives(Instance *instance)
     return instance->dx;
 }
 
-const double *instance_indicators(Instance *instance)
-{
-    engine_indicators(instance->engine, instance->z);
-    for (int i = 0; i < instance->engine->model->nz; i++)
-        instance->z[i] += instance->side[i] * INDICATOR_SHIFT;
-    return instance->z;
-}
-
 Result instance_set_up(Instance *instance, double start, double stop, double tolerance)
 {
     if (!isfinite(start) || isnan(stop) || stop < start)
@@ -203,13 +192,6 @@ void instance_enter_initialization(Instance *instance)
 {
     instance->phase = INITIALIZATION;
     instance->started = 0;
-}
-
-void instance_choose_sides(Instance *instance)
-{
-    engine_indicators(instance->engine, instance->z);
-    for (int i = 0; i < instance->engine->model->nz; i++)
-        instance->side[i] = (instance->z[i] > 0) - (instance->z[i] < 0);
 }
 
 /* RK4 has no use for the tolerance, so it takes whatever a master gives. */

@@ -59,9 +59,9 @@ typedef struct {
     Sensitivity *sensitivity;
     int *side;          /* of each indicator at the last event: 1, -1, or 0 if it was zero */
     double *activation; /* of each clock: instant of its last activation, -HUGE_VAL before */
-    double *dx, *z, *before;
+    double *dx, *z, *before; /* before: states and samples */
     double *dy; /* time derivatives of all outputs, those of one order after another */
-    int *r, *modes_before; /* work space, as the line above */
+    int *modes_before;
     Listener listener;
     int *told; /* Boolean outputs and modes that the listener knows of */
     double end; /* of the step, as the listener wants it */
@@ -127,7 +127,7 @@ Result instance_get_derivatives(Instance *instance, double *derivatives, size_t 
 Result instance_get_indicators(Instance *instance, double *indicators, size_t count);
 Result instance_get_nominals(Instance *instance, double *nominals, size_t count);
 Result instance_enter_continuous_time(Instance *instance);
-Result instance_complete_step(Instance *instance, int *event_needed);
+int instance_complete_step(Instance *instance); /* whether an event is needed */
 
 /* All of an instance as bytes that say whose they are: a copy of them restores it, others are refused. */
 size_t instance_state_size(const Instance *instance);

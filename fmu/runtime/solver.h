@@ -31,9 +31,6 @@ int engine_pause(Engine *engine);
 
 #define INSTANT_ROUNDING 1e-6 /* a sample is due this part of its period or step early, against rounding of time */
 
-/* Whether relations are not what they are frozen at. */
-int engine_relations_differ(Engine *engine);
-
 /* Whether there is an event here that changes anything: that fires a transition, or changes an output or a derivative.
  * One that does not is over: its relations are those of the moment. */
 int engine_event_matters(Engine *engine);
