@@ -136,7 +136,7 @@ void engine_reset(Engine *engine)
         engine->u[i] = model->u_default[i];
     for (int i = 0; i < INPUT_ORDERS * model->nu; i++)
         engine->du[i] = 0;
-    engine->given = engine->varying = 0;
+    engine->given = 0;
     for (int i = 0; i < model->nq; i++)
         engine->due[i] = 0;
     for (int i = 0; i < 2 * model->nm + model->nr; i++)
@@ -290,7 +290,6 @@ static int try_advance(Engine *engine, double stop)
 
 static int give_up(Engine *engine)
 {
-    engine->varying = 0;
     engine_restore(engine, engine->backup);
     return ENGINE_FAILED;
 }

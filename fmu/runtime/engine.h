@@ -31,7 +31,7 @@ typedef struct {
     char message[512];  /* after a failure: what was wrong, where and when */
     double *du;         /* derivatives of the inputs, INPUT_ORDERS of each: see inputs.c */
     double *u_begin, begin; /* inputs and time at the beginning of a step over which they vary */
-    int given, varying; /* derivatives were given for the next step; inputs vary over this one */
+    int given;          /* derivatives were given for the next step, or the one under way: inputs vary over it */
 
     /* What a master wants of a communication step; all zero in the native simulation. */
     int (*observe)(void *observer, int what); /* a result other than 0 after ENGINE_STEPPED ends the step there */

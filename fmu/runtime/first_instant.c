@@ -82,7 +82,7 @@ Result differentiate_start(Instance *instance)
     return DONE;
 }
 
-int differentiate_ticks(Instance *instance)
+void differentiate_ticks(Instance *instance)
 {
     const Engine *engine = instance->engine;
     const Model *model = engine->model;
@@ -94,11 +94,10 @@ int differentiate_ticks(Instance *instance)
         ticking = ticking || one->sampled[i];
     }
     if (!ticking)
-        return 0;
+        return;
     memcpy(one->x, engine->x, (size_t)model->nx * sizeof *one->x);
     memcpy(one->m, engine->m, (size_t)model->nm * sizeof *one->m);
     differentiate_samples(one, engine);
-    return 1;
 }
 
 /* Products ---------------------------------------------------------------------------------------------------------- */

@@ -23,8 +23,8 @@ void multiply_transposed(const Sensitivity *one, const Pattern *pattern, const d
 
 /* Entries of start values and of the samples of the first instant; FAILED where a transition assigned something then. */
 Result differentiate_start(Instance *instance);
-/* Entries of the samples whose clocks tick now; 0 if none does. */
-int differentiate_ticks(Instance *instance);
+/* Entries of the samples whose clocks tick now. */
+void differentiate_ticks(Instance *instance);
 
 /* Columns of states and samples from those of parameters, then of samples from those they are computed from; and
  * backwards, in the other order. */

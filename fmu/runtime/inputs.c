@@ -38,7 +38,6 @@ int engine_begin_inputs(Engine *engine, double stop)
     }
     memcpy(engine->u_begin, engine->u, (size_t)engine->model->nu * sizeof(double));
     engine->begin = engine->time;
-    engine->varying = 1;
     engine_vary_inputs(engine, stop);
     const int bad = first_not_finite(engine->u, engine->model->nu);
     if (bad >= 0)
@@ -55,10 +54,10 @@ void engine_vary_inputs(const Engine *engine, double time)
 
 void engine_end_inputs(Engine *engine)
 {
-    for (int i = 0; i < engine->model->nu && engine->varying; i++)
+    for (int i = 0; i < engine->model->nu && engine->given; i++)
         for (int order = 1; order <= INPUT_ORDERS; order++) {
             double *derivatives = engine->du + INPUT_ORDERS * i;
             derivatives[order - 1] = polynomial(0, derivatives, order, engine->time - engine->begin);
         }
-    engine->varying = engine->given = 0;
+    engine->given = 0;
 }

@@ -87,7 +87,7 @@ void instance_reset(Instance *instance)
     instance->phase = INSTANTIATED;
     instance->start = 0;
     instance->stop = HUGE_VAL;
-    instance->started = instance->parameters_checked = instance->relations_current = 0;
+    instance->parameters_checked = instance->relations_current = 0;
     memset(instance->side, 0, (size_t)engine->model->nz * sizeof *instance->side);
     for (int i = 0; i < engine->model->nk; i++)
         instance->activation[i] = -HUGE_VAL;
@@ -142,7 +142,7 @@ Result instance_refresh(Instance *instance)
 {
     Engine *engine = instance->engine;
     const int settled = EVENT | ACTIVATION | (instance->event_mode ? 0 : STEP);
-    if (instance->phase == INITIALIZATION && !instance->started) {
+    if (instance->phase == INITIALIZATION && !instance->relations_current) {
         int (*const listening)(void *, int) = engine->observe;
         int status;
         instance_outdate(instance);
@@ -151,7 +151,7 @@ Result instance_refresh(Instance *instance)
         engine->observe = listening;
         if (status != ENGINE_OK)
             return instance_report(instance, FAILED, "%s", engine->message);
-        instance->started = instance->parameters_checked = instance->relations_current = 1;
+        instance->parameters_checked = instance->relations_current = 1;
     }
     if (!instance->relations_current && instance->phase & settled) {
         if (engine->model->nk)
@@ -191,7 +191,7 @@ Result instance_set_up(Instance *instance, double start, double stop, double tol
 void instance_enter_initialization(Instance *instance)
 {
     instance->phase = INITIALIZATION;
-    instance->started = 0;
+    instance->relations_current = 0;
 }
 
 /* RK4 has no use for the tolerance, so it takes whatever a master gives. */
@@ -216,6 +216,7 @@ Result instance_exit_initialization(Instance *instance)
         instance->phase = ACTIVATION;
     else
         instance->phase = instance->interface == MODEL_EXCHANGE || instance->event_mode ? EVENT : STEP;
+    instance_outdate(instance); /* entries: states and samples are knowns from now on */
     instance_choose_sides(instance);
     instance_tell_start(instance);
     return DONE;

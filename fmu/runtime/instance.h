@@ -53,9 +53,9 @@ typedef struct {
     int event_mode, early_return; /* of co-simulation: whether the master uses event mode, and lets steps end early */
     Phase phase;
     double start, stop; /* of the experiment; HUGE_VAL if the end is open */
-    int parameters_checked, started, relations_current, outputs_current, derivatives_current; /* since the last change */
-    int entries_current, output_derivatives_current; /* likewise */
-    int ticking; /* with the entries: clocks tick */
+    /* Since the last change; relations in initialization mode: also start values and the events of the first instant. */
+    int parameters_checked, relations_current;
+    int outputs_current, derivatives_current, entries_current, output_derivatives_current;
     Sensitivity *sensitivity;
     int *side;          /* of each indicator at the last event: 1, -1, or 0 if it was zero */
     double *activation; /* of each clock: instant of its last activation, -HUGE_VAL before */

@@ -2,8 +2,8 @@
  *
  * Both walk through the same chain. After initialization it is one product with the Jacobian of the equations. In
  * initialization mode states and samples are no knowns but functions of the others: start values, then the updates of
- * the first instant rank by rank, then the equations. While clocks tick in event mode, their samples are such functions. Directions with factor zero are left out, so that an entry that
- * is not finite matters only where it acts.
+ * the first instant rank by rank, then the equations. While clocks tick in event mode, their samples are such functions.
+ * Directions with factor zero are left out, so that an entry that is not finite matters only where it acts.
  */
 #include "sensitivity.h"
 
@@ -108,15 +108,16 @@ static Result prepare(Instance *instance)
 {
     const Engine *engine = instance->engine;
     Result result = instance_refresh(instance);
-    if (result == DONE && !instance->entries_current && instance->phase == INITIALIZATION)
+    if (result != DONE || instance->entries_current)
+        return result;
+    if (instance->phase == INITIALIZATION)
         result = differentiate_start(instance);
+    else if (instance->phase == EVENT)
+        differentiate_ticks(instance);
     if (result != DONE)
         return result;
-    if (!instance->entries_current)
-        instance->ticking = instance->phase == EVENT && differentiate_ticks(instance);
-    if (!instance->entries_current)
-        brunovsky_jacobian.differentiate_equations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m,
-                                                   engine->r, instance->sensitivity->equations);
+    brunovsky_jacobian.differentiate_equations(engine->time, engine->x, engine->u, engine->p, engine->q, engine->m,
+                                               engine->r, instance->sensitivity->equations);
     instance->entries_current = 1;
     return DONE;
 }
@@ -154,10 +155,10 @@ static Result spread(Instance *instance, Place *place, const unsigned *seeded, s
     return result;
 }
 
-/* Whether samples are functions of the knowns: in initialization mode, and where their clocks tick. */
+/* Whether samples can be functions of the knowns; those that are have been marked with the entries. */
 static int samples_act(const Instance *instance)
 {
-    return instance->phase == INITIALIZATION || (instance->phase == EVENT && instance->ticking);
+    return (instance->phase & (INITIALIZATION | EVENT)) != 0;
 }
 
 static void clear(const Instance *instance)

@@ -14,7 +14,7 @@ void engine_end_inputs(Engine *engine);
 /* Makes engine->u the inputs at this time; inputs that are held cost a comparison. */
 static inline void inputs_at(const Engine *engine, double time)
 {
-    if (engine->varying)
+    if (engine->given)
         engine_vary_inputs(engine, time);
 }
 

@@ -4,13 +4,13 @@
 
 #include "instance.h"
 
-#define VERSION 3 /* of the bytes; a change of what they mean changes it */
+#define VERSION 4 /* of the bytes; a change of what they mean changes it */
 
 typedef struct {
     char magic[16], token[48];
     unsigned long long check, length;
     double start, stop;
-    int version, interface, event_mode, phase, started, relations_current;
+    int version, interface, event_mode, phase, relations_current;
 } Header;
 
 static const char MAGIC[16] = "brunovsky state";
@@ -57,7 +57,6 @@ void instance_save(const Instance *instance, void *bytes)
     header.interface = (int)instance->interface;
     header.event_mode = instance->event_mode;
     header.phase = (int)instance->phase;
-    header.started = instance->started;
     header.relations_current = instance->relations_current;
     memcpy(rest, instance->activation, activations_size(instance));
     memcpy(sides, instance->side, sides_size(instance));
@@ -101,7 +100,6 @@ Result instance_restore(Instance *instance, const void *bytes)
     instance->stop = header.stop;
     instance->phase = (Phase)header.phase;
     instance->parameters_checked = 0; /* checked again rather than believed */
-    instance->started = header.started;
     instance->relations_current = header.relations_current;
     memcpy(instance->activation, rest, activations_size(instance));
     memcpy(instance->side, sides, sides_size(instance));

@@ -189,8 +189,6 @@ void instance_set(Instance *instance, unsigned reference, double value)
     case STATE: engine->x[variable_state(kind, index)] = value; break;
     default: break;
     }
-    if (instance->phase & (INSTANTIATED | INITIALIZATION))
-        instance->started = 0;
     instance->relations_current = 0;
     engine->inputs_set = 1;
     instance_outdate(instance);
