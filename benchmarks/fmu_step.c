@@ -128,7 +128,7 @@ static int start(void *one, const double *inputs)
     const Model *model = &brunovsky_model;
     int failed = begin(one);
     for (int i = 0; i < model->nu; i++) {
-        const unsigned reference = 3 + (unsigned)(model->np + i);
+        const unsigned reference = FIRST_PARAMETER + (unsigned)(model->np + i);
         failed = failed || SET_REAL(one, &reference, &inputs[i]);
     }
     return failed || EXIT_INITIALIZATION(one);
@@ -143,7 +143,7 @@ static double time_fmu(void *one, const double *inputs, long steps, double h, do
         failed |= step(one, (double)i * h, h);
     const double seconds = now() - begin_time;
     for (int i = 0; i < model->nx; i++) {
-        const unsigned reference = 3 + (unsigned)(model->np + model->nu + model->ny + i);
+        const unsigned reference = FIRST_PARAMETER + (unsigned)(model->np + model->nu + model->ny + i);
         failed |= GET_REAL(one, &reference, &last[i]) != 0;
     }
     return failed ? -1 : seconds;

@@ -11,16 +11,13 @@ static Result find_clock(Instance *instance, unsigned reference, int *clock)
     return variable_find(instance, CLOCK, reference, &kind, clock);
 }
 
-Result instance_tick(Instance *instance, unsigned reference, int active)
+void instance_tick(Instance *instance, unsigned reference, int active)
 {
     int clock;
-    const Result result = find_clock(instance, reference, &clock);
-    if (result != DONE)
-        return result;
+    variable_locate(reference, &clock);
     engine_tick(instance->engine, clock, active);
     instance->relations_current = 0;
     instance_outdate(instance);
-    return DONE;
 }
 
 Result instance_ticks(Instance *instance, unsigned reference, int *active)
@@ -53,14 +50,14 @@ Result instance_admits_period(Instance *instance, unsigned reference, double per
     if (parameter < 0)
         return instance_report(instance, FAILED, "%s has a constant interval, %g s", model->k_names[clock],
                                model->k_period[clock]);
-    return instance_admits(instance, REAL, 3 + (unsigned)parameter, period);
+    return instance_admits(instance, REAL, FIRST_PARAMETER + (unsigned)parameter, period);
 }
 
 void instance_set_period(Instance *instance, unsigned reference, double period)
 {
     int clock;
     variable_locate(reference, &clock);
-    instance_set(instance, 3 + (unsigned)instance->engine->model->k_parameter[clock], period);
+    instance_set(instance, FIRST_PARAMETER + (unsigned)instance->engine->model->k_parameter[clock], period);
 }
 
 Result instance_activate(Instance *instance, unsigned reference, double time)

@@ -1,13 +1,15 @@
 /* What an FMU knows of its description beside the model: generated with the modelDescription.xml.
  *
  * Value references follow from the model's counts alone, one numbering for all types: 0 time, 1 step_size, 2 solver,
- * and from 3 on parameters, inputs, outputs, states, samples, modes, derivatives, event indicators, clocks. FMI 2 shows
- * no variables for the last two; without model exchange there are no indicators.
+ * and from FIRST_PARAMETER on parameters, inputs, outputs, states, samples, modes, derivatives, event indicators, clocks.
+ * FMI 2 shows no variables for the last two; without model exchange there are no indicators.
  */
 #ifndef BRUNOVSKY_DESCRIPTION_H
 #define BRUNOVSKY_DESCRIPTION_H
 
 #include "names.h"
+
+enum { FIRST_PARAMETER = 3 };
 
 /* Bits, so that a function can accept several. */
 typedef enum { REAL = 1, INTEGER = 2, BOOLEAN = 4, ENUMERATION = 8, CLOCK = 16 } Type;

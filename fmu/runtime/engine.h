@@ -10,6 +10,7 @@ enum { ENGINE_OK = 0, ENGINE_FAILED = 1, ENGINE_PAUSED = 2 };
 enum { ENGINE_STEPPED, ENGINE_SWITCHED }; /* what is observed: an internal step is done; relations or modes changed */
 enum { SOLVER_RK4 = 1, SOLVER_DORMAND_PRINCE = 2 };
 
+#define MAX_EVENT_ITERATIONS 20 /* of transitions at one instant */
 #define INPUT_ORDERS 3 /* derivatives of an input that a step follows */
 #define DEFAULT_TOLERANCE 1e-6
 #define LEAST_TOLERANCE 1e-13

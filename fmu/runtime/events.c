@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#define MAX_EVENT_ITERATIONS 20
-
 /* Relations of a moment, beside those that are frozen. */
 static int *relations_now(const Engine *e)
 {

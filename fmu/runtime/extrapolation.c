@@ -31,16 +31,12 @@ Result instance_admits_input_derivative(Instance *instance, unsigned reference, 
     return result;
 }
 
-Result instance_set_input_derivative(Instance *instance, unsigned reference, int order, double value)
+void instance_set_input_derivative(Instance *instance, unsigned reference, int order, double value)
 {
-    const Result result = instance_admits_input_derivative(instance, reference, order, value);
     int index;
-    if (result != DONE)
-        return result;
     variable_locate(reference, &index);
     engine_set_input_derivative(instance->engine, index, order, value);
     instance->output_derivatives_current = 0;
-    return DONE;
 }
 
 Result instance_get_output_derivative(Instance *instance, unsigned reference, int order, double *value)

@@ -11,8 +11,6 @@
 
 #include "variables.h"
 
-#define MAX_EVENT_ITERATIONS 20
-
 /* Entries ----------------------------------------------------------------------------------------------------------- */
 
 #define AGAIN(sensitivity, engine)                                                                                    \

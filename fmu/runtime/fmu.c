@@ -129,9 +129,8 @@ Fmu *fmu_new(const char *function, Logger logger, Interface interface, const cha
 {
     const char *name = logger.name;
     Fmu *fmu;
-    if (!name || !*name)
-        logger.name = "?";
     if (!name || !*name) {
+        logger.name = "?";
         fmu_log(&logger, STATUS_ERROR, "logStatusError", "%s: the instance has no name", function);
         return NULL;
     }

@@ -108,13 +108,18 @@ const char *instance_phase_name(const Instance *instance)
     }
 }
 
+const char *instance_interface_name(Interface interface)
+{
+    static const char *const names[] = {"co-simulation", "model-exchange", "scheduled-execution"};
+    return names[interface];
+}
+
 Result instance_permits(Instance *instance, int phases)
 {
-    static const char *const interfaces[] = {"co-simulation", "model-exchange", "scheduled-execution"};
     if (instance->phase & phases)
         return DONE;
-    return instance_report(instance, FAILED, "is not allowed while a %s instance is %s", interfaces[instance->interface],
-                           instance_phase_name(instance));
+    return instance_report(instance, FAILED, "is not allowed while a %s instance is %s",
+                           instance_interface_name(instance->interface), instance_phase_name(instance));
 }
 
 /* What explains a value that is not finite: the engine's diagnosis, which names the first output or derivative. */

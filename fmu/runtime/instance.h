@@ -84,6 +84,7 @@ void instance_listen(Instance *instance, Listener listener);
 /* FAILED unless the phase is one of these. */
 Result instance_permits(Instance *instance, int phases);
 const char *instance_phase_name(const Instance *instance);
+const char *instance_interface_name(Interface interface);
 
 Result instance_set_up(Instance *instance, double start, double stop, double tolerance);
 void instance_enter_initialization(Instance *instance);
@@ -96,19 +97,19 @@ Result instance_admits(Instance *instance, int types, unsigned reference, double
 void instance_set(Instance *instance, unsigned reference, double value);
 
 /* Time derivatives, from order 1 on (extrapolation.c). Of an input: those that the next communication step follows; to be
- * set before it. Of an output: exact ones of the branch that relations are frozen in, with the derivatives of the inputs
- * where the last step ended, or those set for the next one. */
+ * set before it, once admitted. Of an output: exact ones of the branch that relations are frozen in, with the derivatives
+ * of the inputs where the last step ended, or those set for the next one. */
 Result instance_admits_input_derivative(Instance *instance, unsigned reference, int order, double value);
-Result instance_set_input_derivative(Instance *instance, unsigned reference, int order, double value);
+void instance_set_input_derivative(Instance *instance, unsigned reference, int order, double value);
 Result instance_get_output_derivative(Instance *instance, unsigned reference, int order, double *value);
 
 /* Co-simulation: one communication step from time on. It ended at engine->time; engine->event_due tells whether the
  * master has to handle an event there. DISCARDED if it could not be calculated. */
 Result instance_step(Instance *instance, double time, double length);
 
-/* Clocks: ticks in event mode, their period, and scheduled execution. */
-Result instance_tick(Instance *instance, unsigned reference, int active);
+/* Clocks: ticks in event mode, their period, and scheduled execution. A reference is checked before it ticks. */
 Result instance_ticks(Instance *instance, unsigned reference, int *active);
+void instance_tick(Instance *instance, unsigned reference, int active);
 Result instance_period(Instance *instance, unsigned reference, double *period);
 Result instance_admits_period(Instance *instance, unsigned reference, double period); /* before it is set */
 void instance_set_period(Instance *instance, unsigned reference, double period);

@@ -104,6 +104,7 @@
 #define instance_get_output_derivative UNIQUE(instance_get_output_derivative)
 #define instance_get_states UNIQUE(instance_get_states)
 #define instance_indicators UNIQUE(instance_indicators)
+#define instance_interface_name UNIQUE(instance_interface_name)
 #define instance_listen UNIQUE(instance_listen)
 #define instance_new UNIQUE(instance_new)
 #define instance_not_finite UNIQUE(instance_not_finite)

@@ -67,7 +67,6 @@ void instance_save(const Instance *instance, void *bytes)
 
 Result instance_recognizes(Instance *instance, const void *bytes, size_t size)
 {
-    static const char *const interfaces[] = {"co-simulation", "model-exchange", "scheduled-execution"};
     Header header;
     if (size < sizeof header)
         return instance_report(instance, FAILED, "the state is not one of this FMU: it has only %lu bytes",
@@ -83,7 +82,8 @@ Result instance_recognizes(Instance *instance, const void *bytes, size_t size)
     if (header.check != check_of(&header, (const char *)bytes + sizeof header, size - sizeof header))
         return instance_report(instance, FAILED, "the state is damaged: its check sum does not match");
     if (header.interface != (int)instance->interface || header.event_mode != instance->event_mode)
-        return instance_report(instance, FAILED, "the state is one of a %s instance%s", interfaces[header.interface],
+        return instance_report(instance, FAILED, "the state is one of a %s instance%s",
+                               instance_interface_name((Interface)header.interface),
                                header.event_mode ? " with event mode" : "");
     return DONE;
 }

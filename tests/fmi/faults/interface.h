@@ -34,7 +34,7 @@ enum {
     INSTANTIATED = 1, INITIALIZATION = 2, STEP = 4, EVENT = 8, CONTINUOUS = 16, TERMINATED = 32, WITHIN_STEP = 64,
     ACTIVATION = 128, ALWAYS = 255 - WITHIN_STEP
 };
-enum { TIME = 0, STEP_SIZE = 1, SOLVER = 2, FIRST_PARAMETER = 3, MAX_VALUES = 512 };
+enum { TIME = 0, STEP_SIZE = 1, SOLVER = 2, MAX_VALUES = 512 };
 
 #define FIRST_INPUT (FIRST_PARAMETER + (unsigned)brunovsky_model.np)
 #define FIRST_OUTPUT (FIRST_INPUT + (unsigned)brunovsky_model.nu)

@@ -114,7 +114,7 @@ def test_valgrind_finds_nothing_in_many_calls(fmu: Fmu, plain: Programs) -> None
 
 
 BUGS = {
-    "a failed step that is not undone": (2, r"engine_restore\(engine, engine->backup\);", ";"),
+    "a failed step that is not undone": (2, r"engine_restore\(engine, engine->backup\);", "(void)engine;"),
     "a value reference one too far": (
         2,
         r"reference < \(unsigned\)groups\[i\]\.count",
