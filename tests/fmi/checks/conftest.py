@@ -7,7 +7,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from brunovsky.fmi.contents import headers_folder
+from brunovsky.blocks import Block
+from brunovsky.fmi.contents import fmu_files, headers_folder, source_files
 from brunovsky.native import compile_library
 
 HERE = Path(__file__).parent
@@ -50,6 +51,25 @@ def tiny(tmp_path: Path) -> Callable[..., Path]:
         return write_zip(tmp_path / "tiny.fmu", files)
 
     return make
+
+
+@pytest.fixture
+def planted(tmp_path: Path) -> Callable[..., Path]:
+    """An FMU 3 of a block whose runtime has a text replaced, which must be there."""
+
+    def plant(block: Block, file: str, before: str, after: str) -> Path:
+        files = dict(fmu_files(block, 3))
+        text = files[f"sources/{file}"].decode()
+        assert before in text
+        files[f"sources/{file}"] = text.replace(before, after, 1).encode()
+        for name in (one for one in files if one.startswith("sources/")):
+            (tmp_path / Path(name).name).write_bytes(files[name])
+        library = tmp_path / f"{block.name}{fmpy.sharedLibraryExtension}"
+        compile_library([tmp_path / one for one in source_files(3)], library, include=[tmp_path, headers_folder()])
+        files[f"binaries/{fmpy.platform_tuple}/{library.name}"] = library.read_bytes()
+        return write_zip(tmp_path / "planted.fmu", files)
+
+    return plant
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from brunovsky.fmi.checks import derivatives, illegal, refinement, runs, states
+from brunovsky.fmi.checks import adjoints, derivatives, illegal, refinement, runs, states
 from brunovsky.fmi.checks.subject import Answer, Subject
 
 __all__ = ["CHECKS", "LIFE_CYCLE", "Behaviour", "Subject"]
@@ -13,10 +13,11 @@ __all__ = ["CHECKS", "LIFE_CYCLE", "Behaviour", "Subject"]
 
 @dataclass(frozen=True)
 class Behaviour:
-    """A check of a run; ``illegal`` where it makes calls that the standard forbids."""
+    """A check of a run, for FMI from a version on; ``illegal`` where it makes calls that the standard forbids."""
 
     function: Callable[[Subject], Answer]
     illegal: bool = False
+    version: int = 2
 
 
 LIFE_CYCLE = "life cycle"
@@ -29,6 +30,7 @@ _BOTH = {
     "state round trip": Behaviour(states.state_round_trip),
     "serialised state": Behaviour(states.serialized_state),
     "directional derivatives": Behaviour(derivatives.directional_derivatives),
+    "adjoint derivatives": Behaviour(adjoints.adjoint_derivatives, version=3),
     "declared dependencies": Behaviour(derivatives.declared_dependencies),
     "step refinement": Behaviour(refinement.step_refinement),
 }

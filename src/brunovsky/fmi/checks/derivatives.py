@@ -19,6 +19,21 @@ _NOTHING = 1e-7
 
 
 @dataclass(frozen=True)
+class Place:
+    """An instance where derivatives are taken, with what depends there (unknowns) on what (knowns, states first)."""
+
+    stepper: Stepper
+    unknowns: tuple[Any, ...]
+    states: tuple[Any, ...]
+    inputs: tuple[Any, ...]
+
+    @property
+    def knowns(self) -> tuple[Any, ...]:
+        """States and inputs."""
+        return (*self.states, *self.inputs)
+
+
+@dataclass(frozen=True)
 class Slopes:
     """Derivatives of unknowns (rows) by knowns (columns); ``smooth`` where two differences agree."""
 
@@ -77,7 +92,7 @@ def _structure(subject: Subject) -> Sequence[Any]:
     return [*structure.outputs, *structure.derivatives]
 
 
-def _slopes(subject: Subject, *, derivatives: bool) -> Slopes:
+def place(subject: Subject) -> Place:
     """Of co-simulation in initialisation mode, of model exchange in continuous-time mode, after a few steps."""
     unknowns = tuple(
         one.variable
@@ -89,13 +104,19 @@ def _slopes(subject: Subject, *, derivatives: bool) -> Slopes:
     if subject.interface == "CoSimulation":
         stepper = subject.stepper(subject.instance())
         stepper.instance.initialize(stepper.run, leave=False)
-        return _measured(stepper, unknowns, inputs, _setter(stepper, ()), derivatives)
+        return Place(stepper, unknowns, (), inputs)
     stepper = subject.started()
     subject.record(stepper, min(3, subject.run.steps))
     states = tuple(one.variable.derivative for one in subject.description.derivatives)
     if any(size(one) > 1 for one in states):
         states = ()
-    return _measured(stepper, unknowns, (*states, *inputs), _setter(stepper, states), derivatives)
+    return Place(stepper, unknowns, states, inputs)
+
+
+def _slopes(subject: Subject, *, derivatives: bool) -> Slopes:
+    here = place(subject)
+    assign = _setter(here.stepper, here.states)
+    return _measured(here.stepper, here.unknowns, here.knowns, assign, derivatives)
 
 
 def _setter(stepper: Stepper, states: Sequence[Any]) -> Callable[[Any, float], None]:

@@ -113,6 +113,11 @@ class Instance:
         references = [one.valueReference for one in unknowns]
         return np.array(self.fmu.getDirectionalDerivative(references, [known.valueReference], [1.0]))
 
+    def adjoint(self, unknowns: Sequence[Any], knowns: Sequence[Any], seed: Sequence[float]) -> np.ndarray:
+        """Derivatives of the seeded sum of scalar doubles with respect to each known (FMI 3)."""
+        references = [[one.valueReference for one in each] for each in (unknowns, knowns)]
+        return np.array(self.fmu.getAdjointDerivative(*references, seed, len(knowns)))
+
     def vector(self, function: str, count: int) -> np.ndarray:
         """What a function of model exchange fills in: ``count`` doubles."""
         array = (ctypes.c_double * max(count, 1))()
