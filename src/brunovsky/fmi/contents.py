@@ -18,6 +18,7 @@ from brunovsky.fmi.build_description import build_description
 from brunovsky.fmi.documentation import documentation
 from brunovsky.fmi.icon import icon
 from brunovsky.fmi.platforms import HOST, chosen_platforms
+from brunovsky.fmi.references import reference_files
 from brunovsky.fmi.structure import dependency_tables
 from brunovsky.fmi.terminals import terminals_and_icons
 from brunovsky.fmi.variables import reference_offsets, scalar_variables
@@ -103,6 +104,7 @@ def fmu_files(
     )
     files |= descriptions
     files |= _presentation(block, fmi_version, arrays)
+    files |= reference_files(block, arrays)
     files |= binary_files(block.name, fmi_version, sources, names, chosen)
     return MappingProxyType(files)
 
