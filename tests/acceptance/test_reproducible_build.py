@@ -1,4 +1,4 @@
-"""What ``brunovsky build`` writes, twice, each time in a process with other hashes, its own folder and an empty cache."""
+"""What ``brunovsky build`` writes, twice: in processes with other hashes, each with a folder and empty cache of its own."""
 
 import io
 import os
