@@ -1,4 +1,4 @@
-"""What ``brunovsky build`` writes, twice: in processes with other hashes, each with a folder and empty cache of its own."""
+"""What ``brunovsky build`` writes, twice: with other hashes, and a folder and an empty cache of its own each time."""
 
 import io
 import os
