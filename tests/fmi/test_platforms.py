@@ -23,6 +23,7 @@ from brunovsky.errors import CompilerError, ParameterError
 from brunovsky.fmi import export_fmu
 from brunovsky.fmi.contents import fmu_files, headers_folder
 from brunovsky.fmi.platforms import NAMES, chosen_platforms, host_platform
+from brunovsky.fmi.ssp import export_ssp, robot_system, robot_variants
 from brunovsky.fmi.universal import universal_library
 from brunovsky.native import compiler
 
@@ -115,6 +116,21 @@ def test_one_file_for_all_platforms(version: int, tmp_path: Path) -> None:
         host = export_fmu(library.closed_loop(), tmp_path / "host.fmu", version)
         ours, zigs = (simulate_fmu(str(one), stop_time=1.0, output=["x", "y"]) for one in (host, path))
         np.testing.assert_allclose(zigs["x"], ours["x"], rtol=0, atol=1e-12)
+
+
+@needs_zig
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [1, 2])
+def test_a_package_of_three_for_all_platforms_stays_small(version: int, tmp_path: Path) -> None:
+    path = export_ssp(
+        robot_system(),
+        tmp_path / "robot.ssp",
+        ssp_version=version,
+        variants=robot_variants(),
+        platforms=("all",),
+        system_connectors=False,
+    )
+    assert path.stat().st_size < 1_000_000
 
 
 @needs_zig

@@ -30,7 +30,9 @@ def test_icons_lie_where_each_version_looks_for_them() -> None:
     assert "model.png" not in three
     with Image.open(io.BytesIO(picture)) as image:
         assert image.format == "PNG" and min(image.size) > 50
-    assert len(picture) < 20_000
+        corner, middle = (image.convert("RGBA").getpixel(at) for at in ((0, 0), (image.width // 2, image.height // 2)))
+    assert corner[3] == 0 and middle[3] == 255 and min(middle[:3]) >= 250  # paper with round corners, on nothing
+    assert len(picture) < 5_000
 
 
 def test_an_icon_follows_the_interface() -> None:

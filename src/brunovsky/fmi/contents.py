@@ -19,6 +19,7 @@ from brunovsky.fmi.documentation import documentation
 from brunovsky.fmi.icon import icon
 from brunovsky.fmi.interfaces import INTERFACES, refused_interfaces
 from brunovsky.fmi.platforms import HOST, chosen_platforms
+from brunovsky.fmi.references import reference_files
 from brunovsky.fmi.structure import dependency_tables
 from brunovsky.fmi.terminals import terminals_and_icons
 from brunovsky.fmi.variables import reference_offsets, scalar_variables
@@ -105,6 +106,7 @@ def fmu_files(
     )
     files |= descriptions
     files |= _presentation(block, fmi_version, arrays)
+    files |= reference_files(block, arrays)
     files |= binary_files(block.name, fmi_version, sources, names, chosen)
     return MappingProxyType(files)
 

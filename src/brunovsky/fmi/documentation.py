@@ -40,6 +40,7 @@ def documentation(block: Block, variables: Sequence[ScalarVariable]) -> bytes:
         f"<h1>{escape(block.name)}</h1><p>{escape(block.description)}</p>",
         _section("Variables", [_variables(variables)]),
         _model(block),
+        '<p>Reference results: <a href="fmi-ls-ref.txt">fmi-ls-ref.txt</a>.</p>',
         '<p>Licence of the runtime: <a href="licenses/license.txt">license.txt</a>.</p>',
     ]
     head = f'<meta charset="utf-8"><title>{escape(block.name)}</title><style>{_STYLE}</style>'

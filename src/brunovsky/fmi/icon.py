@@ -14,6 +14,7 @@ _SCALE = 2  # pixels
 _ROW, _MARGIN, _GAP, _ARROW = 16 * _SCALE, 10 * _SCALE, 24 * _SCALE, 10 * _SCALE
 _MOST = 12  # rows; an icon is small
 _INK, _PAPER, _ACCENT = "#1f2d3d", "#ffffff", "#2f6f9f"
+_COLOURS = 32  # enough for smooth letters, in a third of the bytes
 
 
 def icon(block: Block) -> bytes:
@@ -46,7 +47,8 @@ def icon(block: Block) -> bytes:
             draw.polygon([(start, middle - half), (start + _ARROW, middle), (start, middle + half)], fill=_ACCENT)
             draw.text((place, middle), label, fill=_INK, font=text, anchor=anchor)
     stream = io.BytesIO()
-    image.save(stream, "PNG", optimize=True)
+    few = image.quantize(_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    few.save(stream, "PNG", optimize=True)
     return stream.getvalue()
 
 

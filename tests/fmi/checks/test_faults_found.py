@@ -19,7 +19,7 @@ def test_a_sound_fmu_of_another_tool_passes(tiny: Callable[..., Path]) -> None:
     found = {one.name: one for one in report.checks}
     assert found["step refinement"].detail.endswith("order 1.0")  # Euler's rule
     assert found["life cycle"].detail.startswith("100 steps of 0.01 s")
-    assert {one.status for one in report.checks} == {"passed"}
+    assert {one.name for one in report.checks if one.status != "passed"} == {"reference results"}  # it has none
     assert (report.model, report.fmi_version) == ("tiny", "2.0")
 
 
@@ -87,6 +87,7 @@ def test_features_that_are_not_claimed_are_not_failed(tiny: Callable[..., Path],
     assert {one.name for one in report.checks if one.status == "not provided"} == {
         "serialised state",
         "directional derivatives",
+        "reference results",
     }
 
 

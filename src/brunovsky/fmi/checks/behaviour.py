@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from brunovsky.fmi.checks import adjoints, derivatives, illegal, refinement, runs, states
+from brunovsky.fmi.checks import adjoints, derivatives, illegal, references, refinement, runs, states
 from brunovsky.fmi.checks.subject import Answer, Subject
 
 __all__ = ["CHECKS", "LIFE_CYCLE", "Behaviour", "Subject"]
@@ -39,6 +39,11 @@ _ILLEGAL = {
     "illegal calls": Behaviour(illegal.illegal_calls, illegal=True),
 }
 CHECKS: Mapping[str, Mapping[str, Behaviour]] = {
-    "CoSimulation": {**_BOTH, "stop time": Behaviour(runs.stop_time), **_ILLEGAL},
+    "CoSimulation": {
+        **_BOTH,
+        "stop time": Behaviour(runs.stop_time),
+        "reference results": Behaviour(references.reference_results),
+        **_ILLEGAL,
+    },
     "ModelExchange": {**_BOTH, **_ILLEGAL},
 }

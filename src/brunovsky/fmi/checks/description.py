@@ -14,6 +14,7 @@ from lxml import etree
 
 from brunovsky.errors import BrunovskyError
 from brunovsky.fmi.checks.markup import require_plain
+from brunovsky.fmi.checks.related import related_files
 from brunovsky.fmi.checks.report import FAILED, PASSED, Check
 
 INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
@@ -250,5 +251,6 @@ _CHECKS: Mapping[str, Callable[[Path, ModelDescription], Found]] = {
     "token": _token,
     "binary for this machine": _binaries,
     "listed sources": _sources,
+    "related files": related_files,
 }
-_PARTS = {"binary for this machine": "file", "listed sources": "file"}
+_PARTS = dict.fromkeys(("binary for this machine", "listed sources", "related files"), "file")

@@ -34,7 +34,8 @@ class Wiring:
     ----------
     connectors : mapping of str to tuple of ScalarVariable
         Outputs, and the inputs that something drives, by component, in the order of the FMU; those of the system under
-        :data:`SYSTEM`. The others are left out, since fmpy gives an input without a connection the value of another.
+        :data:`SYSTEM`. The others are left out, since fmpy gives an input without a connection the value of another;
+        and so are clocks, which tick as the FMU describes them.
     wires : tuple of Wire
         Connections of the diagram; those to and from the system's own connectors come last.
     parameters : mapping of str to tuple of Port
@@ -74,7 +75,7 @@ def wiring(diagram: Diagram, fmi_version: int, system_connectors: bool) -> Wirin
 
 def _connectors(block: object, fmi_version: int) -> tuple[ScalarVariable, ...]:
     table = scalar_variables(block, fmi_version)  # type: ignore[arg-type]
-    return tuple(one for one in table if one.causality in ("input", "output"))
+    return tuple(one for one in table if one.causality in ("input", "output") and one.type != "Clock")
 
 
 def _behind(diagram: Diagram, name: str) -> tuple[str, ...]:
