@@ -71,13 +71,18 @@ int engine_ticks(const Engine *engine, int sample)
     return is_clocked(engine, sample) && engine->active[engine->model->q_clock[sample]];
 }
 
+static int is_timed(const Engine *engine, int sample)
+{
+    return engine->model->q_rank[sample] >= 0 && !is_clocked(engine, sample);
+}
+
 double engine_next_sample(const Engine *engine)
 {
     const Model *model = engine->model;
     double next = HUGE_VAL, *period = engine->work;
     model->periods(engine->p, period);
     for (int i = 0; i < model->nq; i++)
-        if (!is_clocked(engine, i))
+        if (is_timed(engine, i))
             next = fmin(next, engine->start_time + (double)engine->due[i] * period[i]);
     return next;
 }
@@ -86,7 +91,7 @@ static int is_due(const Engine *engine, int sample, double period)
 {
     const double instant = engine->start_time + (double)engine->due[sample] * period;
     const double early = INSTANT_ROUNDING * fmin(period, engine->step_size);
-    return !is_clocked(engine, sample) && instant <= engine->time + early;
+    return is_timed(engine, sample) && instant <= engine->time + early;
 }
 
 /* Samples of active clocks, and if `timed` those whose instant has come. */

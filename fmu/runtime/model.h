@@ -19,7 +19,8 @@ typedef struct {
     int transitions;  /* how many */
     const char *const *p_names, *const *u_names, *const *x_names, *const *q_names, *const *y_names;
     const double *p_default, *p_min, *p_max, *u_default;
-    const int *m_start, *q_rank;
+    const int *m_start;
+    const int *q_rank; /* order of the samples of an instant, -1 of those that transitions alone change */
     void (*start)(const double *p, double *x, double *q);
     void (*periods)(const double *p, double *period);
     void (*derivatives)(ARGUMENTS, double *dx);

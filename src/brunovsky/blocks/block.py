@@ -277,7 +277,7 @@ class Block:
         found: list[sp.Expr] = []
         for relation in self.acting_relations:
             expression = relation.expression if relation.indicator is None else relation.indicator
-            if expression.free_symbols - fixed and not {expression, sp.expand(-expression)} & set(found):
+            if expression.free_symbols - fixed and not {expression, -expression} & set(found):
                 found.append(expression)
         return tuple(found)
 

@@ -121,7 +121,8 @@ class NumpyEngine:
         self._updates = self._function([one.update for one in block.samples])
         self._starts = self._function([*(one.start for one in block.states), *(one.start for one in block.samples)])
         self._nominal = np.array([one.nominal for one in block.states], dtype=float)
-        self._periods = self._function([one.period for one in block.samples])
+        self._held = np.array([one.is_held for one in block.samples], dtype=bool)
+        self._periods = self._function([sp.S.One if one.is_held else one.period for one in block.samples])
         self._explanations = [one for one in block.checks if one.when == "failure"]
         self._conditions = self._function([one.condition for one in self._explanations])
         self.reset()
@@ -201,8 +202,7 @@ class NumpyEngine:
 
     def _run_samples(self) -> None:
         periods = np.array(self._periods())
-        instants = self.start_time + self._due * periods
-        due = instants <= self.time + INSTANT_ROUNDING * np.minimum(periods, self.step_size)
+        due = self._instants(periods) <= self.time + INSTANT_ROUNDING * np.minimum(periods, self.step_size)
         self.update_relations()
         for rank in sorted({one.rank for one in self.block.samples}):
             chosen = due & np.array([one.rank == rank for one in self.block.samples])
@@ -230,7 +230,11 @@ class NumpyEngine:
         """Instant of the next sample, infinity if the block has none."""
         if not len(self.samples):
             return math.inf
-        return float(np.min(self.start_time + self._due * np.array(self._periods())))
+        return float(np.min(self._instants(np.array(self._periods()))))
+
+    def _instants(self, periods: Array) -> Array:
+        """When each sample is due next, s: never, where it is held."""
+        return np.where(self._held, math.inf, self.start_time + self._due * periods)
 
     def advance(self, length: float) -> None:
         """One communication step of ``length`` seconds with the inputs held.

@@ -33,6 +33,8 @@ _REFUSED = (
     sp.Derivative,
 )
 
+_NOT_NUMBERS = (sp.nan, sp.zoo, sp.I)
+
 
 def root_symbols(expression: sp.Basic, relations: Iterable[Relation]) -> frozenset[sp.Symbol]:
     """Symbols an expression is made of, relations replaced by what they are evaluated from."""
@@ -90,6 +92,7 @@ class RelationTable:
     def __init__(self, declared: Collection[Relation], modes: Collection[sp.Symbol]) -> None:
         self._symbols: dict[sp.Expr, sp.Symbol] = {}
         self._modes = frozenset(modes)
+        self._lowered: dict[sp.Basic, sp.Basic] = {}
         self.relations: list[Relation] = []
         for relation in declared:
             expression = self.lower(relation.expression, f"relation '{relation.name}'")
@@ -115,7 +118,12 @@ class RelationTable:
         ModelError
             For a switching function that has no such form; the message names it and ``where``.
         """
-        if isinstance(expression, _REFUSED) or expression.has(sp.nan, sp.zoo, sp.I):
+        if expression not in self._lowered:
+            self._lowered[expression] = self._lower(expression, where)
+        return self._lowered[expression]
+
+    def _lower(self, expression: sp.Basic, where: str) -> sp.Basic:
+        if isinstance(expression, _REFUSED) or expression in _NOT_NUMBERS:
             raise ModelError(f"{where}: {expression} cannot be used in a block; write it with Piecewise or as a mode")
         if isinstance(expression, sp.Symbol | sp.Number | BooleanAtom | sp.NumberSymbol):
             return expression

@@ -126,7 +126,8 @@ class Sample(Variable):
 
     ``clock`` is the name of a clock of the block, whose period the block then fills in; without either the period is
     1 s. ``update`` and all other updates of the same block see the values from before the instant. ``rank`` orders
-    the samples of a diagram: those of a lower rank are updated first and seen by the higher ones.
+    the samples of a diagram: those of a lower rank are updated first and seen by the higher ones. A sample with the
+    period ``oo`` is never due: :func:`held` makes such values, which transitions alone change.
     """
 
     update: sp.Expr = sp.S.Zero
@@ -134,6 +135,24 @@ class Sample(Variable):
     period: sp.Expr = None
     rank: int = 0
     clock: str = ""
+
+    @property
+    def is_held(self) -> bool:
+        """Whether transitions alone change it."""
+        return self.period is sp.oo
+
+
+def held(name: str, unit: str = "1", description: str = "", start: sp.Expr | float = 0.0) -> Sample:
+    """A value that transitions alone change, such as the plan that a supervisor follows.
+
+    Parameters
+    ----------
+    name, unit, description : str
+        As for a variable.
+    start : Expr or float
+        Its value before the first change, a function of parameters.
+    """
+    return Sample(name, unit, description, update=symbol(name), start=sp.sympify(start), period=sp.oo)
 
 
 @dataclass(frozen=True)

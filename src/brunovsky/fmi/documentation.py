@@ -92,6 +92,8 @@ def _shown(text: str) -> str:
 def _equations(block: Block) -> list[str]:
     lines = [_shown(equation(derivative(one.symbol), one.derivative)) for one in block.states]
     for one in block.samples:
+        if one.is_held:
+            continue
         when = f"when {escape(one.clock)} ticks" if one.clock else f"every <math>{mathml(one.period)}</math> s"
         update = f'<math displaystyle="true">{mathml(one.symbol)}<mo>&#8592;</mo>{mathml(one.update)}</math>'
         lines.append(_shown(f"{update} {when}"))

@@ -75,10 +75,12 @@ class BlockText:
     def assignments(self, targets: Sequence[str], expressions: Sequence[sp.Basic]) -> list[str]:
         """Statements that compute the expressions, common subexpressions first."""
         common, reduced = sp.cse(list(expressions), symbols=sp.numbered_symbols("c"))
-        lines = [f"const double {name} = {self._printer.doprint(value)};" for name, value in common]
-        return lines + [
+        return self._constants(common) + [
             f"{target} = {self._printer.doprint(value)};" for target, value in zip(targets, reduced, strict=True)
         ]
+
+    def _constants(self, common: Iterable[tuple[sp.Symbol, sp.Basic]]) -> list[str]:
+        return [f"const double {name} = {self._printer.doprint(value)};" for name, value in common]
 
     def function(self, name: str, out: str, expressions: Sequence[sp.Basic], arguments: str = _ARGUMENTS) -> str:
         """Pure function that writes the expressions to the array ``out``."""
@@ -103,9 +105,11 @@ class BlockText:
 
     def relations(self, block: Block) -> str:
         """Function that evaluates the relations in order, each after those it depends on."""
-        lines = [
-            f"r[{index}] = {self._printer.doprint(one.expression)} > 0;" for index, one in enumerate(block.relations)
-        ]
+        lines = []
+        for index, one in enumerate(block.relations):
+            common, (reduced,) = sp.cse([one.expression], symbols=sp.numbered_symbols(f"c{index}_"))
+            lines += self._constants(common)
+            lines.append(f"r[{index}] = {self._printer.doprint(reduced)} > 0;")
         return _function(f"void relations({_RELATION_ARGUMENTS})", lines)
 
     def transitions(self, block: Block) -> str:
@@ -117,8 +121,12 @@ class BlockText:
         }
         lines = ["int fired = 0;"]
         for one in reversed(block.transitions):
-            values = [f"    {targets[key]} = {self._cast(targets[key], value)};" for key, value in one.assign.items()]
-            body = "\n    ".join([*values, "    fired = 1;"])
+            common, reduced = sp.cse(list(one.assign.values()), symbols=sp.numbered_symbols("c"))
+            values = [
+                f"{targets[key]} = {self._cast(targets[key], value)};"
+                for key, value in zip(one.assign, reduced, strict=True)
+            ]
+            body = "\n    ".join(f"    {line}" for line in (*self._constants(common), *values, "fired = 1;"))
             lines.append(f"if ({self._printer.doprint(one.guard)}) {{\n    {body}\n    }}")
         header = f"int fire({_ARGUMENTS}, double *x_new, double *q_new, int *m_new)"
         return _function(header, [*lines, "return fired;"])
@@ -150,11 +158,12 @@ def model_source(block: Block) -> str:
             [*starts, *(one.start for one in block.samples)],
         ),
     )
+    periods = [sp.S.One if one.is_held else one.period for one in block.samples]
     checks = list(enumerate(block.checks))
     exchange = {"start": "", "model exchange": "model_exchange && "}
     functions = [
         start,
-        text.function("periods", "period", [one.period for one in block.samples], _PARAMETER_ARGUMENTS),
+        text.function("periods", "period", periods, _PARAMETER_ARGUMENTS),
         text.function("derivatives", "dx", [one.derivative for one in block.states]),
         text.function("outputs", "y", [one.expression for one in block.outputs]),
         text.function("indicators", "z", block.indicators),
@@ -230,7 +239,7 @@ def _tables(block: Block) -> list[str]:
         numbers("double", "p_max", (one.maximum for one in block.parameters)),
         numbers("double", "u_default", (one.start for one in block.inputs)),
         numbers("int", "m_start", (one.start for one in block.modes)),
-        numbers("int", "q_rank", (one.rank for one in block.samples)),
+        numbers("int", "q_rank", (-1 if one.is_held else one.rank for one in block.samples)),
         strings("k_names", (one.name for one in block.clocks)),
         numbers("int", "k_parameter", (fixed.get(one.period, -1) for one in block.clocks)),
         numbers("double", "k_period", (float(one.period.xreplace(values)) for one in block.clocks)),

@@ -1,0 +1,100 @@
+"""What the planner chooses from: paths, a reversal, a turn in place with a straight drive; each with its cost.
+
+All manoeuvres begin where the robot rests now. Only the first leg of one is driven; the next is planned where it ends,
+which costs no more than what is left of the first plan.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from brunovsky.blocks.library.rest_to_rest.path import Pose, forward, sideways, wrapped
+from brunovsky.blocks.library.rest_to_rest.timing import Limits, turning_time
+
+TANGENTS = (0.7, 1.5)
+"""Tangents of paths to the goal, in parts of its distance."""
+TURN_LENGTH = 0.1
+"""What a turn of 1 rad counts as distance where paths are scaled, m."""
+CUSP = 0.3
+"""How far a reversal lies from the middle of the two poses, in parts of their distance."""
+REVERSAL_FACTOR = 1.25
+"""A reversal must be shorter in time than a path without one by this factor."""
+TURN_FACTOR = 2.0
+"""A turn in place must be shorter than a path by this factor."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A path between two poses; ``tangent`` (m) is its derivative at the ends, negative backward."""
+
+    start: Pose
+    end: Pose
+    direction: int
+    tangent: sp.Expr
+
+    @classmethod
+    def between(cls, start: Pose, end: Pose, direction: int, stretch: float) -> Leg:
+        """Leg whose tangents are scaled with the distance of the poses."""
+        return cls(start, end, direction, direction * stretch * start.reach(end, sp.Float(TURN_LENGTH)))
+
+    @property
+    def relative(self) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
+        """End as the start sees it, along and to the left (m), turn (rad), and tangent (m)."""
+        gap = self.end.position - self.start.position
+        turn = self.end.heading - self.start.heading
+        return gap.dot(forward(self.start.heading)), gap.dot(sideways(self.start.heading)), turn, self.tangent
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A manoeuvre: the path it drives first, and what else it costs.
+
+    ``turn`` is the angle turned in place before the path (rad), ``after`` a path driven afterwards, ``extra`` the time
+    of turns (s), ``factor`` what the time is multiplied by when it is compared.
+    """
+
+    leg: Leg
+    turn: sp.Expr | None = None
+    after: Leg | None = None
+    extra: sp.Expr = sp.S.Zero
+    factor: float = 1.0
+
+
+def candidates(start: Pose, goal: Pose, limits: Limits) -> tuple[Candidate, ...]:
+    """Manoeuvres from rest to rest, both forward and backward.
+
+    Parameters
+    ----------
+    start, goal : Pose
+        Where the robot rests, and where it shall.
+    limits : Limits
+        What plans may use, for the time of turns in place.
+    """
+    both = (1, -1)
+    direct = [Candidate(Leg.between(start, goal, one, stretch)) for one in both for stretch in TANGENTS]
+    return (
+        *direct,
+        *(_reversal(start, goal, one) for one in both),
+        *(_turn_and_drive(start, goal, one, limits) for one in both),
+    )
+
+
+def _reversal(start: Pose, goal: Pose, direction: int) -> Candidate:
+    """Beyond the middle of the two poses, with the heading halfway between theirs, and back to the goal."""
+    heading = start.heading + wrapped(goal.heading - start.heading) / 2
+    middle = (start.position + goal.position) / 2
+    cusp = Pose(*(middle + direction * CUSP * start.reach(goal, sp.Float(TURN_LENGTH)) * forward(heading)), heading)
+    after = Leg.between(cusp, goal, -direction, 1.0)
+    return Candidate(Leg.between(start, cusp, direction, 1.0), after=after, factor=REVERSAL_FACTOR)
+
+
+def _turn_and_drive(start: Pose, goal: Pose, direction: int, limits: Limits) -> Candidate:
+    """A turn in place towards the goal, or away from it, a straight drive, and a turn in place to its heading."""
+    gap = direction * (goal.position - start.position)
+    bearing = sp.atan2(-gap[0], gap[1])
+    turn, last = wrapped(bearing - start.heading), wrapped(goal.heading - bearing)
+    time = sum(turning_time(sp.sqrt(one**2), limits.yaw_acceleration) for one in (turn, last))
+    drive = Leg.between(Pose(start.x, start.y, bearing), Pose(goal.x, goal.y, bearing), direction, 1.0)
+    return Candidate(drive, turn=turn, extra=time, factor=TURN_FACTOR)
