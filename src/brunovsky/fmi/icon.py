@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 from PIL import Image, ImageDraw, ImageFont
 
@@ -16,6 +17,7 @@ _MOST = 12  # rows; an icon is small
 _INK, _PAPER, _ACCENT = "#1f2d3d", "#ffffff", "#2f6f9f"
 
 
+@lru_cache(maxsize=64)
 def icon(block: Block) -> bytes:
     """PNG of the icon: the block's name over its ports, the elements of one array in one line.
 
