@@ -24,7 +24,7 @@ _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden")
 
 
 def cache_folder() -> Path:
-    """Folder of what was compiled: ``$BRUNOVSKY_CACHE``, else the user's cache folder."""
+    """Folder of what was compiled and built: ``$BRUNOVSKY_CACHE``, else the user's cache folder."""
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(os.environ.get("BRUNOVSKY_CACHE") or Path(base) / "brunovsky")
 
@@ -56,6 +56,17 @@ def find_compiler() -> tuple[str, ...]:
 def has_ziglang() -> bool:
     """Whether ziglang, which compiles for other platforms too, is installed."""
     return importlib.util.find_spec("ziglang") is not None
+
+
+def compiler_for(target: str | None) -> tuple[str, ...]:
+    """Command that compiles for a platform, as ziglang names it, or for this machine.
+
+    Raises
+    ------
+    CompilerError
+        If there is none; the message says how to get one.
+    """
+    return _cross_compiler(target) if target else find_compiler()
 
 
 def _cross_compiler(target: str) -> tuple[str, ...]:
@@ -106,7 +117,7 @@ def compile_library(
     CompilerError
         If there is no compiler or it fails; the message has its command and what it printed.
     """
-    compiler = _cross_compiler(target) if target else find_compiler()
+    compiler = compiler_for(target)
     windows = "windows" in target if target else sys.platform == "win32"
     command = [*compiler, *_FLAGS, *(() if windows else ("-fPIC",))]
     if "ziglang" in command:
@@ -142,13 +153,20 @@ def _object(source: Path, command: Sequence[str], key: str, include: Sequence[Pa
         return kept
     fresh = folder / f"{source.stem}.o"
     _compile([*command, *(f"-I{path}" for path in include), "-c", "-o", str(fresh), str(source)])
+    return kept if keep(kept, fresh.read_bytes()) else fresh
+
+
+def keep(path: Path, content: bytes) -> bool:
+    """Write a file of the cache whole or not at all; false if it can't be written, which costs time only."""
     try:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=kept.parent) as beside:
-            os.replace(shutil.copy(fresh, beside), kept)
-    except OSError:  # a cache that can't be written costs time only
-        return fresh
-    return kept
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent) as beside:
+            fresh = Path(beside) / path.name
+            fresh.write_bytes(content)
+            os.replace(fresh, path)
+    except OSError:
+        return False
+    return True
 
 
 def _compile(line: Sequence[str]) -> None:
