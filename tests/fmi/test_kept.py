@@ -19,6 +19,7 @@ from brunovsky.blocks.digest import block_digest
 from brunovsky.errors import BrunovskyError, ModelError
 from brunovsky.fmi import archive, export_fmu, kept
 from brunovsky.fmi.archive import export_fmus
+from brunovsky.fmi.contents import fmu_files, portable_files
 from brunovsky.native.compiler import cache_folder
 
 LONG_AGO = 0.0
@@ -26,14 +27,20 @@ LATER = 4e9
 """Times before and after the files of any test, s."""
 
 
+def fresh_cache(folder: Path) -> Path:
+    """Cache in a folder with the object files of all tests, which take long to compile, and no FMUs."""
+    objects = cache_folder() / "objects"
+    objects.mkdir(parents=True, exist_ok=True)
+    fresh = folder / "cache"
+    fresh.mkdir()
+    (fresh / "objects").symlink_to(objects)
+    return fresh
+
+
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Folder of kept FMUs, empty; the sources count as those that run, however young they are."""
-    objects = cache_folder() / "objects"  # of all tests: compiling again would take long
-    objects.mkdir(parents=True, exist_ok=True)
-    (tmp_path / "cache").mkdir()
-    (tmp_path / "cache" / "objects").symlink_to(objects)
-    monkeypatch.setenv("BRUNOVSKY_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("BRUNOVSKY_CACHE", str(fresh_cache(tmp_path)))
     digest = loaded_digest(Path(brunovsky.__file__).parent, LATER)
     monkeypatch.setattr(kept, "package_digest", lambda: digest)
     return tmp_path / "cache" / "fmus"
@@ -56,6 +63,8 @@ def test_a_damaged_file_is_made_again(cache, sampled_integrator, tmp_path, damag
     (entry,) = cache.iterdir()
     whole = entry.read_bytes()
     entry.write_bytes(damage(whole))
+    for remembered in (fmu_files, portable_files):
+        remembered.cache_clear()
     assert export_fmu(sampled_integrator, tmp_path / "second.fmu").read_bytes() == first
     assert entry.read_bytes() == whole
 
@@ -210,10 +219,6 @@ def test_python_files_that_changed_since_they_were_loaded_say_nothing(tmp_path):
 
 def test_a_changed_package_does_not_get_the_file_of_the_old_one(tmp_path):
     """Two processes with one cache; between them a source of the package is edited."""
-    objects = cache_folder() / "objects"
-    objects.mkdir(parents=True, exist_ok=True)
-    (tmp_path / "cache").mkdir()
-    (tmp_path / "cache" / "objects").symlink_to(objects)
     package = tmp_path / "src" / "brunovsky"
     shutil.copytree(Path(brunovsky.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
     for part in ("fmu", "LICENSE"):
@@ -227,7 +232,7 @@ from brunovsky.fmi import export_fmu
 export_fmu(Block("watch", outputs=(Output("y", "s", "time", TIME),)), sys.argv[1])
 """
     paths = [str(tmp_path / "src"), *(one for one in sys.path if not Path(one, "brunovsky").exists())]
-    environment = os.environ | {"BRUNOVSKY_CACHE": str(tmp_path / "cache"), "PYTHONPATH": os.pathsep.join(paths)}
+    environment = os.environ | {"BRUNOVSKY_CACHE": str(fresh_cache(tmp_path)), "PYTHONPATH": os.pathsep.join(paths)}
     environment["PYTHONDONTWRITEBYTECODE"] = "1"
 
     def exported(name: str) -> bytes:

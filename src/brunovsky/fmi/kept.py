@@ -66,14 +66,15 @@ def fmu_key(block: Block, fmi_version: int, platforms: Sequence[str], arrays: bo
     """
     from brunovsky import __version__  # known only when the package is imported whole
 
-    commands = [compiler_for(compiler_target(one)) for one in chosen_platforms(platforms, fmi_version)]
+    chosen = chosen_platforms(platforms, fmi_version)
+    commands = [compiler_for(compiler_target(one)) for one in chosen]
     parts = {
         "brunovsky": __version__,
         "package": package_digest(),
         "block": block_digest(block),
         "files": _files_digest(),
         "compilers": [(one, compiler_version(one)) for one in commands],
-        "options": [fmi_version, list(platforms), arrays],
+        "options": [fmi_version, [one.name for one in chosen], arrays],
     }
     if None in parts.values():
         return None
@@ -83,8 +84,8 @@ def fmu_key(block: Block, fmi_version: int, platforms: Sequence[str], arrays: bo
 def _files_digest() -> str | None:
     folders = (runtime_folder(), headers_folder())
     try:
-        folded = [files_digest(sorted(one for one in place.rglob("*.[ch]")), place) for place in folders]
-        return " ".join([*folded, files_digest([resource("LICENSE")], resource("LICENSE").parent)])
+        found = [files_digest(sorted(place.rglob("*.[ch]")), place) for place in folders]
+        return " ".join([*found, files_digest([resource("LICENSE")], resource("LICENSE").parent)])
     except OSError:
         return None
 
