@@ -261,3 +261,14 @@ def test_several_fmus_are_written_in_order_up_to_the_first_that_cannot(cache, sa
     assert found == paths[: len(found)]
     assert not any(path.exists() for path in paths[2:])
     assert list(export_fmus(zip(blocks[:2], paths, [2, 3], strict=False))) == paths[:2]
+
+
+def test_nothing_is_left_half_written_by_ctrl_c(cache, sampled_integrator, tmp_path):
+    def stopped():
+        yield sampled_integrator, tmp_path / "fmus" / "one.fmu", 2
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(export_fmus(stopped()))
+    folder = tmp_path / "fmus"
+    assert not folder.exists() or set(os.listdir(folder)) <= {"one.fmu"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -18,6 +19,7 @@ class _UnknownKind(Exception):
     """A value whose text does not say all that it is."""
 
 
+@lru_cache(maxsize=64)
 def block_digest(block: Block) -> str | None:
     """Hash of a block by its declarations, expressions, and components if it is a diagram.
 

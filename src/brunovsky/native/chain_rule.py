@@ -49,12 +49,12 @@ class ChainRule:
 
 def _partial(expression: sp.Expr, index: int) -> sp.Expr:
     """Derivative of a function by one of its arguments."""
-    places, derivatives = _derivatives(expression.func, len(expression.args))
-    return derivatives[index].xreplace(dict(zip(places, expression.args, strict=True)))
+    places, derivative = _derivative(expression.func, len(expression.args), index)
+    return derivative.xreplace(dict(zip(places, expression.args, strict=True)))
 
 
 @lru_cache(maxsize=256)
-def _derivatives(function: type[sp.Expr], count: int) -> tuple[tuple[sp.Dummy, ...], tuple[sp.Expr, ...]]:
-    """Derivatives of a function by each of its arguments, and the symbols that stand for these."""
+def _derivative(function: type[sp.Expr], count: int, index: int) -> tuple[tuple[sp.Dummy, ...], sp.Expr]:
+    """Symbols that stand for the arguments of a function, and its derivative by one of them."""
     places = tuple(sp.Dummy() for _ in range(count))
-    return places, tuple(sp.diff(function(*places), one) for one in places)
+    return places, sp.diff(function(*places), places[index])
