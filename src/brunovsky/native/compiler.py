@@ -128,8 +128,11 @@ def compile_library(
     with tempfile.TemporaryDirectory(dir=output.parent) as folder:
         fresh = Path(folder) / output.name
 
+        headers = {place: _headers_digest(place) for place in {*include, *(one.parent for one in sources)}}
+
         def compiled(source: Path) -> Path:
-            return _object(source, [*command, *macros], key, include, Path(folder))
+            seen = [key, *(headers[place] for place in (source.parent, *include))]
+            return _object(source, [*command, *macros], "\0".join(seen), include, Path(folder))
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             objects = list(pool.map(compiled, sources))
@@ -143,12 +146,12 @@ def _linking(target: str, name: str) -> tuple[str, ...]:
 
 
 def _object(source: Path, command: Sequence[str], key: str, include: Sequence[Path], folder: Path) -> Path:
-    """Object file of a source: the cache's, or compiled in the folder and kept. The key says what compiles it."""
-    digest = hashlib.sha256(key.encode())
-    headers = [header for place in (source.parent, *include) for header in sorted(place.glob("*.h"))]
-    for path in (source, *headers):
-        digest.update(f"\0{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
-    kept = cache_folder() / "objects" / f"{source.stem}-{digest.hexdigest()[:32]}.o"
+    """Object file of a source: the cache's, or compiled in the folder and kept.
+
+    The key says what compiles it, with which headers.
+    """
+    digest = hashlib.sha256(f"{key}\0{source.name}\0".encode() + source.read_bytes()).hexdigest()
+    kept = cache_folder() / "objects" / f"{source.stem}-{digest[:32]}.o"
     if kept.exists():
         return kept
     fresh = folder / f"{source.stem}.o"
@@ -167,6 +170,13 @@ def keep(path: Path, content: bytes) -> bool:
     except OSError:
         return False
     return True
+
+
+def _headers_digest(folder: Path) -> str:
+    digest = hashlib.sha256()
+    for path in sorted(folder.glob("*.h")):
+        digest.update(f"{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
 
 
 def _compile(line: Sequence[str]) -> None:
