@@ -4,8 +4,7 @@
 * ``warm``: the same again, when the cache has them.
 * ``warm_blocks``: each block in a process of its own, made and exported in every version it ships in, when the cache
   has its FMUs; the import of this package, which is the same for all, is told apart (``import``).
-* ``changed_blocks``: the same when the cache has the objects of the runtime, but not the FMUs: what a block costs that
-  is changed.
+* ``derived_blocks``: the same when the cache has object files, but no FMUs: what it costs to derive a block anew.
 
 Times are in s, of the wall clock and of all processors: on a busy machine the second says more. Python finds its
 bytecode, as that of an installed package.
@@ -81,7 +80,7 @@ def measure(chosen: str, folder: Path) -> dict[str, object]:
         "import": {"wall_s": round(sum(imports) / len(imports), 3)},
         "warm_blocks": again,
         "warm_slowest_s": max(one["wall_s"] for one in again.values()),
-        "changed_blocks": anew,
+        "derived_blocks": anew,
         "bytes": dict(sorted(sizes.items())),
         "largest_bytes": max(sizes.values()),
     }

@@ -95,10 +95,11 @@ def export_fmus(
     Raises
     ------
     BrunovskyError
-        As :func:`export_fmu`; the FMUs before that one are written, those after it are not.
+        As :func:`export_fmu`, of the first FMU that can't be written. What is being compiled then is finished, what is
+        waiting is not begun; no file is left half-written.
     """
     waiting: deque[Future[Path]] = deque()
-    with ThreadPoolExecutor(max_workers=1) as pool:  # SymPy stays in this thread
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # for compilers; SymPy stays in this thread
         try:
             for block, path, version in fmus:
                 check_version(block, version, arrays)

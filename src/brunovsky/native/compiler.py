@@ -10,15 +10,20 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
+from threading import Lock
 
 from brunovsky.errors import CompilerError
 
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 """File name ending of shared libraries on this machine."""
+
+_compiling: defaultdict[Path, Lock] = defaultdict(Lock)
+"""Locks of object files, so that libraries compiled at once compile each of them once."""
 
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden")
 
@@ -152,11 +157,12 @@ def _object(source: Path, command: Sequence[str], key: str, include: Sequence[Pa
     """
     digest = hashlib.sha256(f"{key}\0{source.name}\0".encode() + source.read_bytes()).hexdigest()
     kept = cache_folder() / "objects" / f"{source.stem}-{digest[:32]}.o"
-    if kept.exists():
-        return kept
-    fresh = folder / f"{source.stem}.o"
-    _compile([*command, *(f"-I{path}" for path in include), "-c", "-o", str(fresh), str(source)])
-    return kept if keep(kept, fresh.read_bytes()) else fresh
+    with _compiling[kept]:
+        if kept.exists():
+            return kept
+        fresh = folder / f"{source.stem}.o"
+        _compile([*command, *(f"-I{path}" for path in include), "-c", "-o", str(fresh), str(source)])
+        return kept if keep(kept, fresh.read_bytes()) else fresh
 
 
 def keep(path: Path, content: bytes) -> bool:
