@@ -9,6 +9,9 @@ from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
+from brunovsky import _sources as _sources  # first, for it notes when the package is loaded
+
+# isort: split
 from brunovsky import blocks
 from brunovsky.blocks import Block, Diagram, linearized_block
 from brunovsky.errors import BrunovskyError

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -23,7 +23,8 @@ import brunovsky as br
 from brunovsky._resources import resource
 from brunovsky._suggest import unknown_name
 from brunovsky.errors import BrunovskyError, ParameterError
-from brunovsky.fmi import export_fmu, export_ssp, robot_system, robot_variants, shipped_fmus
+from brunovsky.fmi import export_ssp, robot_system, robot_variants, shipped_fmus
+from brunovsky.fmi.archive import export_fmus
 from brunovsky.fmi.checks.table import check_summary, check_table
 from brunovsky.fmi.contents import FMI_VERSIONS
 from brunovsky.fmi.platforms import HOST, chosen_platforms
@@ -144,14 +145,16 @@ def build(
     chosen = {name: _known(name, BLOCKS, "block") for name in names}
     with _progress() as progress:
         task = progress.add_task("building FMUs", total=len(chosen))
-        paths = []
-        for name, make in chosen.items():
-            progress.update(task, description=f"building {name}")
-            block = make()
-            for version in (int(fmi),) if fmi else _versions(name, block):
-                path = output / f"fmi{version}" / f"{name}.fmu"
-                paths.append(export_fmu(block, path, version, (platform,)))
-            progress.advance(task)
+
+        def wanted() -> Iterator[tuple[br.Block, Path, int]]:
+            for name, make in chosen.items():
+                progress.update(task, description=f"building {name}")
+                block = make()
+                for version in (int(fmi),) if fmi else _versions(name, block):
+                    yield block, output / f"fmi{version}" / f"{name}.fmu", version
+                progress.advance(task)
+
+        paths = list(export_fmus(wanted(), (platform,)))
         if ssp or not blocks:
             progress.update(task, description="building robot.ssp")
             paths.append(_build_ssp(output, int(ssp or (2 if fmi == FmiVersion.three else 1)), (platform,)))

@@ -1,6 +1,8 @@
 """Finding and running the C compiler, and the cache of what it made."""
 
 import ctypes
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -120,3 +122,19 @@ def _check(message: str) -> br.blocks.Check:
     import sympy as sp
 
     return br.blocks.Check("text", sp.true, message)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the compiler that counts is a shell script")
+def test_libraries_compiled_at_once_compile_what_they_share_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    counting, log = tmp_path / "counting-cc", tmp_path / "log"
+    counting.write_text(f'#!/bin/sh\ncase " $* " in *" -c "*) echo object >> {log};; esac\nexec cc "$@"\n')
+    counting.chmod(0o755)
+    monkeypatch.setenv("CC", str(counting))
+    monkeypatch.setenv("BRUNOVSKY_CACHE", str(tmp_path / "cache"))
+    source = tmp_path / "shared.c"
+    source.write_text("int shared(void) { return 1; }\n")
+    libraries = [tmp_path / f"{number}{compiler.SUFFIX}" for number in range(4)]
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(lambda one: compiler.compile_library([source], one), libraries))
+    assert log.read_text().split() == ["object"]
+    assert all(one.is_file() for one in libraries)

@@ -10,6 +10,7 @@ import dataclasses
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -24,6 +25,7 @@ TIME = sp.Symbol("t", real=True)
 NAME = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*(,[1-9]\d*)*\])?(\.[A-Za-z_]\w*(\[[1-9]\d*(,[1-9]\d*)*\])?)*", re.ASCII)
 
 
+@lru_cache(maxsize=4096)
 def symbol(name: str) -> sp.Symbol:
     """Symbol that stands for the variable of this name in expressions: ``eta[1]`` becomes ``eta_1``."""
     return sp.Symbol(re.sub(r"\[([\d,]+)\]", lambda match: "_" + match[1].replace(",", "_"), name), real=True)

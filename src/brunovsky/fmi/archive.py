@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import io
 import os
 import tempfile
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 from brunovsky.blocks import Block
 from brunovsky.errors import BrunovskyError
-from brunovsky.fmi.contents import fmu_files
+from brunovsky.fmi.contents import check_version, fmu_files, portable_files
+from brunovsky.fmi.kept import fmu_key, keep_fmu, kept_fmu
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -28,7 +33,9 @@ def export_fmu(
     A block that clocks alone make act has scheduled execution as well (FMI 3); one with a sign function that has no
     width, as its parameters are by default, has no model exchange.
 
-    The file is written whole or not at all, and has the same bytes for equal blocks and compilers.
+    The file is written whole or not at all, and has the same bytes for equal blocks and compilers. It is kept in the
+    cache as well, from where equal arguments get it until anything that it is made of changes: the block, this package,
+    a library that it uses, or the compiler.
 
     Parameters
     ----------
@@ -62,27 +69,91 @@ def export_fmu(
     BrunovskyError
         If the file cannot be written.
     """
-    target = Path(path)
-    files = fmu_files(block, fmi_version, arrays, tuple(platforms))
+    (written,) = export_fmus([(block, path, fmi_version)], platforms, arrays=arrays)
+    return written
+
+
+def export_fmus(
+    fmus: Iterable[tuple[Block, str | os.PathLike[str], int]],
+    platforms: Sequence[str] = ("host",),
+    *,
+    arrays: bool = False,
+) -> Iterator[Path]:
+    """Write several FMUs; while the compiler runs for one, the next is derived.
+
+    Parameters
+    ----------
+    fmus : iterable of (Block, path, int)
+        What each runs, where it goes, and the version of FMI.
+    platforms, arrays
+        As those of :func:`export_fmu`.
+
+    Yields
+    ------
+    Path
+        Of each FMU, in order, when it is written.
+
+    Raises
+    ------
+    BrunovskyError
+        As :func:`export_fmu`, of the first FMU that can't be written. What is being compiled then is finished, what is
+        waiting is not begun; no file is left half-written.
+    """
+    waiting: deque[Future[Path]] = deque()
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # for compilers; SymPy stays in this thread
+        try:
+            for block, path, version in fmus:
+                check_version(block, version, arrays)
+                key = fmu_key(block, version, platforms, arrays)
+                content = key and kept_fmu(key)
+                if not content:
+                    portable_files(block, version, arrays)
+                build = partial(_built, key, block, version, tuple(platforms), arrays)
+                waiting.append(pool.submit(_write, Path(path), content or build))
+                while waiting and waiting[0].done():
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _built(key: str | None, block: Block, fmi_version: int, platforms: tuple[str, ...], arrays: bool) -> bytes:
+    """FMU of a block, kept if nothing that it is made of has changed meanwhile."""
+    content = packed(fmu_files(block, fmi_version, arrays, platforms))
+    if key and key == fmu_key(block, fmi_version, platforms, arrays):
+        keep_fmu(key, content)
+    return content
+
+
+def _write(target: Path, content: bytes | Callable[[], bytes]) -> Path:
+    content = content if isinstance(content, bytes) else content()
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        write_archive(target, files)
+        write_whole(target, content)
     except OSError as error:
         raise BrunovskyError(f"the FMU {target} cannot be written: {error.strerror or error}") from None
     return target
 
 
-def write_archive(target: Path, files: Mapping[str, bytes]) -> None:
-    """Write a zip file whole or not at all, with the same bytes for equal files; may raise ``OSError``."""
+def packed(files: Mapping[str, bytes]) -> bytes:
+    """Zip file, with the same bytes for equal files."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry.create_system = 3
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
+            archive.writestr(entry, files[name])
+    return stream.getvalue()
+
+
+def write_whole(target: Path, content: bytes) -> None:
+    """Write a file whole or not at all; may raise ``OSError``."""
     with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}-", delete=False) as fresh:
         try:
-            with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED) as archive:
-                for name in sorted(files):
-                    entry = zipfile.ZipInfo(name, _EPOCH)
-                    entry.create_system = 3
-                    entry.compress_type = zipfile.ZIP_DEFLATED
-                    entry.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
-                    archive.writestr(entry, files[name])
+            fresh.write(content)
             fresh.close()
             os.chmod(fresh.name, 0o644)
             os.replace(fresh.name, target)

@@ -18,6 +18,12 @@ def headers_folder() -> Path:
     return Path(fmpy.__file__).parent / "c-code"  # as fmpy brings them
 
 
+def compiler_target(platform: Platform) -> str | None:
+    """What ziglang calls a platform; none for this machine with its own compiler."""
+    native = platform.name == host_platform().name and not has_ziglang()
+    return None if native else platform.target or None
+
+
 def binary_files(
     name: str, fmi_version: int, sources: Mapping[str, bytes], compiled: Sequence[str], platforms: Iterable[Platform]
 ) -> dict[str, bytes]:
@@ -49,10 +55,11 @@ def binary_files(
         for one in platforms:
             library = base / one.name / f"{name}{one.suffix}"
             library.parent.mkdir()
-            native = one.name == host_platform().name and not has_ziglang()
-            target = None if native else one.target or None
             compile_library(
-                [base / file for file in compiled], library, include=[base, headers_folder()], target=target
+                [base / file for file in compiled],
+                library,
+                include=[base, headers_folder()],
+                target=compiler_target(one),
             )
             found[one] = library.read_bytes()
     files = {f"binaries/{one.folder(fmi_version)}/{name}{one.suffix}": text for one, text in found.items()}

@@ -39,6 +39,7 @@ _OWN_HEADERS = "description instance variables jacobian output_derivatives sensi
 _HEADERS = (*ENGINE_HEADERS, *(f"{name}.h" for name in _OWN_HEADERS.split()))
 _GENERATED = ("model.c", "jacobian.c", "output_derivatives.c", "description.c")
 
+_SOURCES = "sources/"
 _TOKEN = {2: "guid", 3: "instantiationToken"}
 _TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN"}
 
@@ -76,9 +77,6 @@ def fmu_files(
 ) -> Mapping[str, bytes]:
     """Every file of the FMU by its path inside, the binaries compiled for the platforms.
 
-    The guid or instantiation token is a hash of everything else in the description and of all sources, so that it is
-    the same for equal blocks and another one for others.
-
     Raises
     ------
     ParameterError
@@ -88,8 +86,32 @@ def fmu_files(
     CompilerError
         If there is no C compiler or it fails.
     """
-    check_version(block, fmi_version, arrays)
     chosen = chosen_platforms(platforms, fmi_version)
+    files = portable_files(block, fmi_version, arrays)
+    sources = {
+        path.removeprefix(_SOURCES): text
+        for path, text in files.items()
+        if path.startswith(_SOURCES) and path.endswith((".c", ".h"))
+    }
+    binaries = binary_files(block.name, fmi_version, sources, source_files(fmi_version), chosen)
+    return MappingProxyType({**files, **binaries})
+
+
+@lru_cache(maxsize=64)
+def portable_files(block: Block, fmi_version: int = 2, arrays: bool = False) -> Mapping[str, bytes]:
+    """Every file of the FMU but the binaries, which are compiled from them.
+
+    The guid or instantiation token is a hash of everything else in the description and of all sources, so that it is
+    the same for equal blocks and another one for others.
+
+    Raises
+    ------
+    ParameterError
+        For a version that is unknown, and for arrays in FMI 2.
+    ModelError
+        If the block uses a name that every FMU has, or has clocks that the version doesn't know.
+    """
+    check_version(block, fmi_version, arrays)
     names = source_files(fmi_version)
     descriptions = _descriptions(block, fmi_version, arrays)
     generated = _generated(block)
@@ -97,17 +119,13 @@ def fmu_files(
     runtime = {name: (runtime_folder() / name).read_bytes() for name in copied}
     token = _token([*descriptions.values(), *generated.values(), *runtime.values()])
     description = description_source(block, token, arrays).encode()
-    sources = runtime | generated | {"description.c": description}
-    files = {f"sources/{name}": text for name, text in sources.items()}
+    files = {f"{_SOURCES}{name}": text for name, text in (runtime | generated | {"description.c": description}).items()}
     files["documentation/licenses/license.txt"] = resource("LICENSE").read_bytes()  # of the runtime
     blank, named = f'{_TOKEN[fmi_version]}=""', f'{_TOKEN[fmi_version]}="{token}"'
     descriptions["modelDescription.xml"] = descriptions["modelDescription.xml"].replace(
         blank.encode(), named.encode(), 1
     )
-    files |= descriptions
-    files |= _presentation(block, fmi_version, arrays)
-    files |= reference_files(block, arrays)
-    files |= binary_files(block.name, fmi_version, sources, names, chosen)
+    files |= descriptions | _presentation(block, fmi_version, arrays) | reference_files(block, arrays)
     return MappingProxyType(files)
 
 

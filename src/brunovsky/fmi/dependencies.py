@@ -8,30 +8,37 @@ no relation beside; ``dependent`` otherwise.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import lru_cache
 
 import sympy as sp
 
 from brunovsky.blocks import Block, Sample, State, Variable
-from brunovsky.native.jacobian import SparseMatrix, columns, jacobian
+from brunovsky.native.jacobian import SparseMatrix, columns, differentiated, jacobian
 
 Factors = dict[sp.Symbol, sp.Expr]
 Kinds = dict[sp.Symbol, str]
 
 
-def _rows(block: Block, matrix: SparseMatrix, expressions: Sequence[sp.Basic]) -> dict[sp.Basic, Factors]:
-    """Derivatives of expressions, which are the rows of a matrix, by column."""
-    symbols = columns(block)
+def _rows(
+    expressions: Sequence[sp.Basic], matrix: SparseMatrix, symbols: Sequence[sp.Symbol]
+) -> dict[sp.Basic, Factors]:
+    """Derivatives of expressions, which are the rows of a matrix, by the symbols of its columns."""
     return {
         expression: {symbols[column]: entry for column, entry in row.items()}
         for expression, row in zip(expressions, matrix.by_row(len(expressions)), strict=True)
     }
 
 
-def _known_factors(block: Block) -> dict[sp.Basic, Factors]:
-    derivatives = jacobian(block)
+@lru_cache(maxsize=64)
+def _known_factors(block: Block) -> Mapping[sp.Basic, Factors]:
+    derivatives, symbols = jacobian(block), columns(block)
+    started: tuple[State | Sample, ...] = (*block.states, *block.samples)
     equations = [*(one.derivative for one in block.states), *(one.expression for one in block.outputs)]
-    return _rows(block, derivatives.equations, equations) | _rows(
-        block, derivatives.updates, [one.update for one in block.samples]
+    return (
+        _rows(block.indicators, differentiated(block.indicators, symbols), symbols)
+        | _rows([one.start for one in started], derivatives.starts, [one.symbol for one in block.parameters])
+        | _rows(equations, derivatives.equations, symbols)
+        | _rows([one.update for one in block.samples], derivatives.updates, symbols)
     )
 
 
@@ -47,16 +54,16 @@ def _factors(known: Mapping[sp.Basic, Factors], expression: sp.Basic, symbols: C
 class RunningDependencies:
     """Dependencies after initialisation: states, samples and modes are what they are.
 
+    The knowns are time, inputs, states and parameters.
+
     Parameters
     ----------
     block : Block
         Whose expressions are asked for.
-    knowns : collection of Symbol
-        What may change.
     """
 
-    def __init__(self, block: Block, knowns: Collection[sp.Symbol]) -> None:
-        self._block, self._knowns = block, frozenset(knowns)
+    def __init__(self, block: Block) -> None:
+        self._knowns = frozenset(columns(block)) - {one.symbol for one in block.samples}
         self._behind = {one.symbol: block.depends_on(one.symbol) for one in block.relations}
         fixed = {one.symbol for one in block.parameters if not one.tunable}
         tunable = fixed | {one.symbol for one in block.parameters}
@@ -77,7 +84,8 @@ class RunningDependencies:
         }
 
     def _kind(self, expression: sp.Basic, known: sp.Symbol, factor: sp.Expr, deciding: Collection[sp.Symbol]) -> str:
-        kind = next((name for name, symbols in self._levels.items() if factor.free_symbols <= symbols), "dependent")
+        inside = factor.free_symbols
+        kind = next((name for name, symbols in self._levels.items() if inside <= symbols), "dependent")
         if not deciding or kind == "dependent":
             return kind
         # linear in each branch; the branches must not differ where the known is 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 from PIL import Image, ImageDraw, ImageFont
 
@@ -17,6 +18,7 @@ _INK, _PAPER, _ACCENT = "#1f2d3d", "#ffffff", "#2f6f9f"
 _COLOURS = 32  # enough for smooth letters, in a third of the bytes
 
 
+@lru_cache(maxsize=64)
 def icon(block: Block) -> bytes:
     """PNG of the icon: the block's name over its ports, the elements of one array in one line.
 

@@ -6,15 +6,17 @@ time, inputs and parameters, behind which start values and the events of the fir
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import sympy as sp
 
 from brunovsky.blocks import Block
 from brunovsky.fmi.dependencies import InitialDependencies, Kinds, RunningDependencies
 from brunovsky.fmi.variables import ScalarVariable
+
+Dependencies = Callable[[sp.Basic], Kinds]
 
 
 @dataclass(frozen=True)
@@ -78,30 +80,37 @@ def _model_structure(block: Block, variables: tuple[ScalarVariable, ...], fmi_ve
         if index in outputs or index in derivatives or (expression in states and index not in indicators)
     ]
     symbols = _knowns(block, variables)
-    running = RunningDependencies(block, symbols.keys() - (parameters if fmi_version == 2 else set()))
-    initially = InitialDependencies(block)
+    running, initially = _dependencies_of(block)
+    changing = symbols.keys() - (parameters if fmi_version == 2 else set())
     clocks = {one.name: index for index, one in rows.items() if one.type == "Clock"}
 
-    def unknown(index: int, kinds: Mapping[sp.Symbol, str], ticks: bool = True) -> Unknown:
+    def unknown(index: int, kinds: Kinds, ticks: bool = True) -> Unknown:
         by_index = {symbols[one]: kind if rows[index].type == "Real" else "dependent" for one, kind in kinds.items()}
         by_index |= {clocks[name]: "dependent" for name in rows[index].clocks if ticks}
         order = sorted(by_index)
         return Unknown(index, tuple(order), tuple(by_index[one] for one in order))
 
+    def at_run_time(expression: sp.Basic) -> Kinds:
+        return {one: kind for one, kind in running(expression).items() if one in changing}
+
     def at_ticks(expression: sp.Basic) -> Kinds:
-        return running(expression) | _behind_ticks(block, running, expression)
+        return at_run_time(expression) | _behind_ticks(block, at_run_time, expression)
 
     return ModelStructure(
         tuple(unknown(index, at_ticks(expressions[index])) for index in outputs),
         tuple(unknown(index, at_ticks(expressions[index])) for index in derivatives),
         tuple(unknown(index, initially(expressions[index]), ticks=False) for index in sorted(initial)),
-        tuple(unknown(index, running(expressions[index])) for index in indicators),
+        tuple(unknown(index, at_run_time(expressions[index])) for index in indicators),
     )
 
 
-def _behind_ticks(
-    block: Block, running: RunningDependencies, expression: sp.Basic, below: float = float("inf")
-) -> Kinds:
+@lru_cache(maxsize=64)
+def _dependencies_of(block: Block) -> tuple[Dependencies, Dependencies]:
+    """Dependencies after and in initialisation, found once for both versions of the standard."""
+    return cache(RunningDependencies(block)), cache(InitialDependencies(block))
+
+
+def _behind_ticks(block: Block, running: Dependencies, expression: sp.Basic, below: float = float("inf")) -> Kinds:
     """What an expression depends on while a clock ticks: what its samples of clocks are computed from."""
     found: Kinds = {}
     for one in block.samples:

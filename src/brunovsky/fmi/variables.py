@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import sympy as sp
 
@@ -75,6 +76,7 @@ class ScalarVariable:
     clocks: tuple[str, ...] = ()
 
 
+@lru_cache(maxsize=64)
 def scalar_variables(block: Block, fmi_version: int = 2) -> tuple[ScalarVariable, ...]:
     """Table of all variables of the FMU of a block, in the order of their value references.
 

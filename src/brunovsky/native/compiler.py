@@ -10,21 +10,26 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
+from threading import Lock
 
 from brunovsky.errors import CompilerError
 
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 """File name ending of shared libraries on this machine."""
 
+_compiling: defaultdict[Path, Lock] = defaultdict(Lock)
+"""Locks of object files, so that libraries compiled at once compile each of them once."""
+
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden")
 
 
 def cache_folder() -> Path:
-    """Folder of what was compiled: ``$BRUNOVSKY_CACHE``, else the user's cache folder."""
+    """Folder of what was compiled and built: ``$BRUNOVSKY_CACHE``, else the user's cache folder."""
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(os.environ.get("BRUNOVSKY_CACHE") or Path(base) / "brunovsky")
 
@@ -56,6 +61,17 @@ def find_compiler() -> tuple[str, ...]:
 def has_ziglang() -> bool:
     """Whether ziglang, which compiles for other platforms too, is installed."""
     return importlib.util.find_spec("ziglang") is not None
+
+
+def compiler_for(target: str | None) -> tuple[str, ...]:
+    """Command that compiles for a platform, as ziglang names it, or for this machine.
+
+    Raises
+    ------
+    CompilerError
+        If there is none; the message says how to get one.
+    """
+    return _cross_compiler(target) if target else find_compiler()
 
 
 def _cross_compiler(target: str) -> tuple[str, ...]:
@@ -106,7 +122,7 @@ def compile_library(
     CompilerError
         If there is no compiler or it fails; the message has its command and what it printed.
     """
-    compiler = _cross_compiler(target) if target else find_compiler()
+    compiler = compiler_for(target)
     windows = "windows" in target if target else sys.platform == "win32"
     command = [*compiler, *_FLAGS, *(() if windows else ("-fPIC",))]
     if "ziglang" in command:
@@ -117,8 +133,11 @@ def compile_library(
     with tempfile.TemporaryDirectory(dir=output.parent) as folder:
         fresh = Path(folder) / output.name
 
+        headers = {place: _headers_digest(place) for place in {*include, *(one.parent for one in sources)}}
+
         def compiled(source: Path) -> Path:
-            return _object(source, [*command, *macros], key, include, Path(folder))
+            seen = [key, *(headers[place] for place in (source.parent, *include))]
+            return _object(source, [*command, *macros], "\0".join(seen), include, Path(folder))
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             objects = list(pool.map(compiled, sources))
@@ -132,23 +151,38 @@ def _linking(target: str, name: str) -> tuple[str, ...]:
 
 
 def _object(source: Path, command: Sequence[str], key: str, include: Sequence[Path], folder: Path) -> Path:
-    """Object file of a source: the cache's, or compiled in the folder and kept. The key says what compiles it."""
-    digest = hashlib.sha256(key.encode())
-    headers = [header for place in (source.parent, *include) for header in sorted(place.glob("*.h"))]
-    for path in (source, *headers):
-        digest.update(f"\0{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
-    kept = cache_folder() / "objects" / f"{source.stem}-{digest.hexdigest()[:32]}.o"
-    if kept.exists():
-        return kept
-    fresh = folder / f"{source.stem}.o"
-    _compile([*command, *(f"-I{path}" for path in include), "-c", "-o", str(fresh), str(source)])
+    """Object file of a source: the cache's, or compiled in the folder and kept.
+
+    The key says what compiles it, with which headers.
+    """
+    digest = hashlib.sha256(f"{key}\0{source.name}\0".encode() + source.read_bytes()).hexdigest()
+    kept = cache_folder() / "objects" / f"{source.stem}-{digest[:32]}.o"
+    with _compiling[kept]:
+        if kept.exists():
+            return kept
+        fresh = folder / f"{source.stem}.o"
+        _compile([*command, *(f"-I{path}" for path in include), "-c", "-o", str(fresh), str(source)])
+        return kept if keep(kept, fresh.read_bytes()) else fresh
+
+
+def keep(path: Path, content: bytes) -> bool:
+    """Write a file of the cache whole or not at all; false if it can't be written, which costs time only."""
     try:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=kept.parent) as beside:
-            os.replace(shutil.copy(fresh, beside), kept)
-    except OSError:  # a cache that can't be written costs time only
-        return fresh
-    return kept
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent) as beside:
+            fresh = Path(beside) / path.name
+            fresh.write_bytes(content)
+            os.replace(fresh, path)
+    except OSError:
+        return False
+    return True
+
+
+def _headers_digest(folder: Path) -> str:
+    digest = hashlib.sha256()
+    for path in sorted(folder.glob("*.h")):
+        digest.update(f"{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
 
 
 def _compile(line: Sequence[str]) -> None:

@@ -14,6 +14,7 @@ from itertools import count
 import sympy as sp
 
 from brunovsky.blocks import TIME, Block, Sample, State, Variable
+from brunovsky.native.chain_rule import ChainRule
 from brunovsky.native.code import BlockText
 
 
@@ -84,14 +85,22 @@ def jacobian(block: Block) -> BlockJacobian:
     outputs = [one.expression if isinstance(one.expression, sp.Expr) else sp.S.Zero for one in block.outputs]
     knowns = columns(block)
     return BlockJacobian(
-        _differentiated([*(one.derivative for one in block.states), *outputs], knowns),
-        _differentiated([one.update for one in block.samples], knowns),
-        _differentiated([one.start for one in started], [one.symbol for one in block.parameters]),
+        differentiated([*(one.derivative for one in block.states), *outputs], knowns),
+        differentiated([one.update for one in block.samples], knowns),
+        differentiated([one.start for one in started], [one.symbol for one in block.parameters]),
     )
 
 
-def _differentiated(rows: Sequence[sp.Basic], knowns: Sequence[sp.Symbol]) -> SparseMatrix:
-    """Derivatives of the rows, by the chain rule through their common subexpressions, each differentiated once."""
+def differentiated(rows: Sequence[sp.Basic], knowns: Sequence[sp.Symbol]) -> SparseMatrix:
+    """Derivatives of expressions by symbols, through their common subexpressions, each differentiated once.
+
+    Parameters
+    ----------
+    rows : sequence of Expr
+        One for each row; a condition has no entries.
+    knowns : sequence of Symbol
+        One for each column.
+    """
     common, reduced = sp.cse(list(rows), symbols=(sp.Dummy(real=True) for _ in count()))
     totals = {known: {known: sp.S.One} for known in knowns}
     for name, expression in common:
@@ -113,7 +122,7 @@ def _total(expression: sp.Basic, totals: Mapping[sp.Symbol, Mapping[sp.Symbol, s
     terms: dict[sp.Symbol, list[sp.Expr]] = {}
     symbols = expression.free_symbols if isinstance(expression, sp.Expr) else set()
     for one in (one for one in totals if one in symbols and totals[one]):
-        partial = sp.diff(expression, one)
+        partial = ChainRule({one: sp.S.One})(expression)
         for known, total in totals[one].items() if partial != 0 else ():
             terms.setdefault(known, []).append(partial * total)
     return {known: sp.Add(*products) for known, products in terms.items()}

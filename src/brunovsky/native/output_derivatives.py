@@ -16,6 +16,7 @@ from functools import lru_cache
 import sympy as sp
 
 from brunovsky.blocks import TIME, Block
+from brunovsky.native.chain_rule import ChainRule
 from brunovsky.native.code import BlockText
 
 HIGHEST_ORDER = 3
@@ -99,13 +100,13 @@ class _Graph:
         self._inputs = [one.symbol for one in block.inputs]
         self._order = 0
         self._names = sp.numbered_symbols("d")
-        self._known: dict[sp.Expr, sp.Expr] = {}
+        self._derivative = ChainRule(self.after)
 
     def next_order(self) -> tuple[sp.Expr, ...]:
         """Derivatives of the outputs, of order 1 at the first call, then 2 and so on."""
         self._order += 1
         latest = [input_derivative(index, self._order) for index in range(len(self._inputs))]
-        self.after |= zip(self._inputs, latest, strict=True)
+        self.after.update(zip(self._inputs, latest, strict=True))
         self._inputs = latest
         pending = [one for one in self.statements if one[0] not in self.after]
         for state, slope in self._slopes.items():
@@ -122,37 +123,6 @@ class _Graph:
         name = next(self._names)
         self.statements.append((name, expression))
         return name
-
-    def _derivative(self, expression: sp.Expr) -> sp.Expr:
-        """Time derivative by the chain rule; symbols that are not in ``after`` are constant.
-
-        In one pass over the expression, unlike a sum over the partial derivatives.
-        """
-        if expression.is_Atom:
-            return self.after.get(expression, sp.S.Zero)
-        if expression not in self._known:
-            self._known[expression] = self._differentiate(expression)
-        return self._known[expression]
-
-    def _differentiate(self, expression: sp.Expr) -> sp.Expr:
-        args = expression.args
-        if isinstance(expression, sp.Piecewise):
-            return sp.Piecewise(*((self._derivative(value), condition) for value, condition in args))
-        rates = [self._derivative(one) for one in args]
-        if isinstance(expression, sp.Add):
-            return sp.Add(*rates)
-        moving = [(index, rate) for index, rate in enumerate(rates) if rate != 0]
-        if isinstance(expression, sp.Mul):
-            return sp.Add(*(sp.Mul(*args[:index], rate, *args[index + 1 :]) for index, rate in moving))
-        if isinstance(expression, sp.Pow) and rates[1] == 0:  # finite where the base is 0
-            return args[1] * args[0] ** (args[1] - 1) * rates[0]
-        if not moving:
-            return sp.S.Zero
-        places = [sp.Dummy() for _ in args]
-        outer = expression.func(*places)
-        return sp.Add(
-            *(outer.diff(places[index]).xreplace(dict(zip(places, args, strict=True))) * rate for index, rate in moving)
-        )
 
 
 def _straight_line(statements: Sequence[Statement], rows: Sequence[Sequence[sp.Expr]]) -> OutputDerivatives:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from brunovsky.blocks import Diagram
 from brunovsky.errors import BrunovskyError, ModelError, ParameterError
-from brunovsky.fmi.archive import export_fmu, write_archive
+from brunovsky.fmi.archive import export_fmus, packed, write_whole
 from brunovsky.fmi.ssp.description import MAPPING_FILE, structure_description
 from brunovsky.fmi.ssp.elements import FMI_VERSION
 from brunovsky.fmi.ssp.parameters import mapping_file, parameter_file
@@ -81,7 +81,7 @@ def export_ssp(
     files = _files(diagram, ssp_version, variants, platforms, system_connectors)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        write_archive(target, files)
+        write_whole(target, packed(files))
     except OSError as error:
         raise BrunovskyError(f"the SSP {target} cannot be written: {error.strerror or error}") from None
     return target
@@ -130,7 +130,7 @@ def _files(
     if plan.parameters:
         files[MAPPING_FILE] = mapping_file(plan, ssp_version, tool)
     with tempfile.TemporaryDirectory(prefix="brunovsky-") as folder:
-        for name, block in diagram.components.items():
-            fmu = export_fmu(block, Path(folder, f"{len(files)}.fmu"), FMI_VERSION[ssp_version], platforms)
+        parts = ((block, Path(folder, name), FMI_VERSION[ssp_version]) for name, block in diagram.components.items())
+        for name, fmu in zip(diagram.components, export_fmus(parts, platforms), strict=True):
             files[fmus[name]] = fmu.read_bytes()
     return files

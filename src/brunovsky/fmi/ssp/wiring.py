@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from brunovsky.blocks import Diagram
+from brunovsky.blocks import Block, Diagram
 from brunovsky.fmi.variables import ScalarVariable, scalar_variables
 
 SYSTEM = ""
@@ -73,8 +73,8 @@ def wiring(diagram: Diagram, fmi_version: int, system_connectors: bool) -> Wirin
     return Wiring(connectors, tuple(wires), parameters)
 
 
-def _connectors(block: object, fmi_version: int) -> tuple[ScalarVariable, ...]:
-    table = scalar_variables(block, fmi_version)  # type: ignore[arg-type]
+def _connectors(block: Block, fmi_version: int) -> tuple[ScalarVariable, ...]:
+    table = scalar_variables(block, fmi_version)
     return tuple(one for one in table if one.causality in ("input", "output") and one.type != "Clock")
 
 
