@@ -257,7 +257,7 @@ def _mapped(
     parts: Parts, symbols: Mapping[sp.Symbol, sp.Basic], rename: Callable[[str], str] = lambda name: name
 ) -> Parts:
     """Parts with symbols substituted in every expression and names mapped; a check keeps its name."""
-    substitution = dict(symbols)
+    substituted: dict[sp.Basic, sp.Basic] = dict(symbols)
 
     def mapped(item: Any, key: str, value: Any) -> Any:
         if key == "name":
@@ -265,7 +265,7 @@ def _mapped(
         if key == "clock" and value:
             return rename(value)
         if isinstance(value, sp.Basic):
-            return value.xreplace(substitution)
+            return _substituted(value, substituted)
         if isinstance(value, Mapping):
             return {mapped(item, "", one): mapped(item, "", other) for one, other in value.items()}
         return value
@@ -275,6 +275,15 @@ def _mapped(
         return dataclasses.replace(item, **new)
 
     return {key: [renewed(item) for item in items] for key, items in parts.items()}
+
+
+def _substituted(expression: sp.Basic, known: dict[sp.Basic, sp.Basic]) -> sp.Basic:
+    """Expression with what is known replaced; all parts found are added, so that shared ones are renewed once."""
+    if expression not in known:
+        args = [_substituted(one, known) for one in expression.args]
+        same = all(new is old for new, old in zip(args, expression.args, strict=True))
+        known[expression] = expression if same else expression.func(*args)
+    return known[expression]
 
 
 def _elements(name: str, known: Mapping[str, Variable]) -> list[str]:

@@ -25,6 +25,7 @@ from brunovsky.blocks.library.relatives import (
     second_order_sliding_mode,
     sliding_sector,
 )
+from brunovsky.blocks.library.rest_to_rest import regulator, rest_to_rest
 from brunovsky.blocks.library.robot import linearized_robot, robot, robot_linearization, robot_system, robot_with_lags
 
 __all__ = [
@@ -44,6 +45,8 @@ __all__ = [
     "posture_loop",
     "posture_reference",
     "preview",
+    "regulator",
+    "rest_to_rest",
     "robot",
     "robot_linearization",
     "robot_system",

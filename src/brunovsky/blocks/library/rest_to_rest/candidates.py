@@ -85,7 +85,8 @@ def _reversal(start: Pose, goal: Pose, direction: int) -> Candidate:
     """Beyond the middle of the two poses, with the heading halfway between theirs, and back to the goal."""
     heading = start.heading + wrapped(goal.heading - start.heading) / 2
     middle = (start.position + goal.position) / 2
-    cusp = Pose(*(middle + direction * CUSP * start.reach(goal, sp.Float(TURN_LENGTH)) * forward(heading)), heading)
+    x, y = middle + direction * CUSP * start.reach(goal, sp.Float(TURN_LENGTH)) * forward(heading)
+    cusp = Pose(x, y, heading)
     after = Leg.between(cusp, goal, -direction, 1.0)
     return Candidate(Leg.between(start, cusp, direction, 1.0), after=after, factor=REVERSAL_FACTOR)
 

@@ -60,12 +60,12 @@ class Pose:
         return sp.Matrix([self.x, self.y])
 
     def reach(self, other: Pose, length: sp.Expr) -> sp.Expr:
-        """Distance to another pose, m, where a turn counts as ``length`` times its angle: zero for equal poses alone."""
+        """Distance to another pose, m, where a turn counts as ``length`` times its angle; zero for equal poses only."""
         gap = other.position - self.position
         return sp.sqrt(gap.dot(gap) + (length * wrapped(other.heading - self.heading)) ** 2)
 
     def path_to(self, other: Pose, tangent: sp.Expr) -> sp.Matrix:
-        """Position along the path to another pose; ``tangent`` (m), negative backward, is its derivative at the ends."""
+        """Position along the path to another pose; ``tangent`` (m), negative backward, is its slope at the ends."""
         curve = hermite(
             other.position - self.position, tangent * forward(self.heading), tangent * forward(other.heading)
         )

@@ -11,7 +11,6 @@ from brunovsky.blocks.library.rest_to_rest.path import PARAMETER, curvature, pat
 from brunovsky.blocks.library.rest_to_rest.timing import rise, rise_time
 from brunovsky.blocks.variables import TIME, Relation
 
-
 _COORDINATES = (sp.Function("p_1", real=True), sp.Function("p_2", real=True))
 _VELOCITY = sp.Function("V", real=True)
 
@@ -88,6 +87,18 @@ class Reference:
             on_path(heading),
             on_path(yaw_rate),
             on_path(in_time(yaw_rate)),
+        )
+
+    def at(self, parameter: dict[sp.Symbol, sp.Expr]) -> Reference:
+        """The same with the path parameter replaced."""
+        first, second, third = (one.xreplace(parameter) for one in self.derivatives)
+        return Reference(
+            self.parameter_rate.xreplace(parameter),
+            self.position.xreplace(parameter),
+            (first, second, third),
+            self.direction.xreplace(parameter),
+            self.yaw_rate.xreplace(parameter),
+            self.yaw_acceleration.xreplace(parameter),
         )
 
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.library.outer_loops import sliding_mode
-from brunovsky.blocks.library.rest_to_rest.supervisor import GOAL, LIMITS, supervisor
+from brunovsky.blocks.library.rest_to_rest.supervisor import GOAL, supervisor
 from brunovsky.blocks.library.robot import robot
-from brunovsky.blocks.variables import Output, Parameter, Variable
+from brunovsky.blocks.variables import Output, Parameter
 
 SURFACE = (16.0, 8.0, 1.0)
 """C: both poles on the surface at -4 1/s."""
@@ -20,11 +20,11 @@ _COMMANDS = ("u[1]", "u[2]")
 def regulator(law: Block | None = None) -> Diagram:
     """Controller of the bare robot that drives it from rest to a goal with heading, and holds it there.
 
-    A supervisor plans from where the robot rests: the quickest of paths forward or backward with zero curvature at both
-    ends, of a path with one reversal where it is shorter by much, and of turns in place with a straight drive where
-    these are much shorter still. The path is driven from rest to rest with the speed of minimum jerk, scaled in time to
-    the limits; the chains follow it under the outer loop. ``mode`` is 0 at rest, 1 moving, 2 braking; it brakes, and plans
-    anew, where the goal changes, the error leaves a tube, or the robot moves without a plan.
+    A supervisor plans from where the robot rests: the quickest of paths forward or backward with zero curvature at
+    both ends, of a path with one reversal where it is shorter by much, and of turns in place with a straight drive
+    where these are much shorter still. The path is driven from rest to rest with the speed of minimum jerk, scaled in
+    time to the limits; the chains follow it under the outer loop. ``mode`` is 0 at rest, 1 moving, 2 braking; it
+    brakes, and plans anew, where the goal changes, the error leaves a tube, or the robot moves without a plan.
 
     Near rest, where the linearising law is singular, the yaw acceleration is that of the path with a law for the
     heading, into which the linearising law fades; velocities that follow the commanded accelerations, as an observer
@@ -91,9 +91,8 @@ def rest_to_rest(regulator_block: Block | None = None) -> Diagram:
     connections = {f"regulator.{one.name}": f"goal.target.{one.name}" for one in GOAL}
     connections |= {f"regulator.{one}": f"robot.{one}" for one in _POSE}
     connections |= {f"robot.{one}": f"regulator.{one}" for one in _COMMANDS}
-    parameters = {one.name: f"robot.{one.name}" for one in plant.parameters if one.name.startswith(("x_", "y_", "theta_"))}
+    parameters = {one.name: f"robot.{one.name}" for one in plant.parameters}
     parameters |= {one.name: f"goal.{one.name}" for one in target.parameters}
-    parameters |= {one.name: f"robot.{one.name}" for one in plant.parameters}
     parameters |= {one.name: f"regulator.{one.name}" for one in controller.parameters}
     return Diagram(
         "rest_to_rest",
@@ -114,11 +113,5 @@ def _goal() -> Block:
         Parameter(one.name, one.unit, one.description, value, tunable=True)
         for one, value in zip(GOAL, values, strict=True)
     )
-    outputs = tuple(
-        Output(f"target.{one.name}", one.unit, one.description, one.symbol) for one in parameters
-    )
+    outputs = tuple(Output(f"target.{one.name}", one.unit, one.description, one.symbol) for one in parameters)
     return Block("goal", "goal that may change", parameters=parameters, outputs=outputs)
-
-
-__all__ = ["LIMITS", "regulator", "rest_to_rest"]
-_ = Variable

@@ -1,21 +1,23 @@
 """How fast a path may be driven: its length, cruising speed, acceleration and duration within the limits.
 
-The speed rises from rest along the polynomial of minimum jerk whose first acceleration is free, 3/2 s - 1/2 s^3, cruises,
-and falls along its mirror image. It begins and ends with an acceleration, so that the robot leaves and reaches rest
-regularly: there z'' is parallel to the heading and not zero. Nothing here switches: maxima along the path are norms of
-high order over Gauss points, which lie a little above them, and so the time is a smooth expression.
+The speed rises from rest along the polynomial of minimum jerk whose first acceleration is free, 3/2 s - 1/2 s^3,
+cruises, and falls along its mirror image. It begins and ends with an acceleration, so that the robot leaves and
+reaches rest regularly: there z'' is parallel to the heading and not zero. Nothing here switches: maxima along the
+path are norms of high order over Gauss points, which lie a little above them, and so the time is a smooth expression.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from brunovsky.blocks.library.rest_to_rest.path import PARAMETER, hermite
+
+Array = NDArray[np.float64]
 
 NODES = 24
 """Gauss points on a path."""
@@ -97,18 +99,18 @@ def path_timing(along: sp.Expr, left: sp.Expr, turn: sp.Expr, tangent: sp.Expr, 
     Timing
         ``cost`` is the duration, but far more for a path with a cusp, whose peaks the points cannot see.
     """
-    ends = ((along, left), (tangent, sp.S.Zero), (tangent * sp.cos(turn), tangent * sp.sin(turn)))
+    products = _Products.of(along, left, turn, tangent)
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     length = bends = sharpness = turns = sp.S.Zero
     for node, weight in zip(nodes, weights, strict=True):
-        d1, d2, d3 = (_derivative(ends, order, (node + 1) / 2) for order in (1, 2, 3))
-        speed2 = d1.dot(d1)
-        cross = d1[0] * d2[1] - d1[1] * d2[0]
-        slope = (d1[0] * d3[1] - d1[1] * d3[0] - 3 * cross * d1.dot(d2) / speed2) / speed2**2
+        first, second, third = (_basis(order, (node + 1) / 2) for order in (1, 2, 3))
+        speed2 = products.dot(first, first)
+        cross = products.cross(first, second)
+        slope = (products.cross(first, third) - 3 * cross * products.dot(first, second) / speed2) / speed2**2
         length += sp.Float(weight / 2) * sp.sqrt(speed2)
         bends += (cross**2 / speed2**3) ** (ORDER // 2)
-        turns += (slope**2) ** (ORDER // 2)
-        sharpness += ((SHARPNESS / NODES) ** 2 * d2.dot(d2) / speed2) ** (ORDER // 2)
+        turns += slope**ORDER
+        sharpness += ((SHARPNESS / NODES) ** 2 * products.dot(second, second) / speed2) ** (ORDER // 2)
     least = 2 * ORDER
     steepness = (
         limits.acceleration**-least + bends**2 / (TURN_SHARE * limits.yaw_acceleration) ** least
@@ -122,15 +124,45 @@ def path_timing(along: sp.Expr, left: sp.Expr, turn: sp.Expr, tangent: sp.Expr, 
     return Timing(length, speed, acceleration, duration(length, speed, acceleration) * (1 + sharpness))
 
 
-def _derivative(ends: Sequence[tuple[sp.Expr, sp.Expr]], order: int, at: float) -> sp.Matrix:
-    """Derivative of :func:`hermite` by its parameter at a number; ``ends`` are its three vectors."""
-    weights = [one.subs(PARAMETER, at) for one in _basis(order)]
-    return sp.Matrix([sum(weight * one[k] for weight, one in zip(weights, ends, strict=True)) for k in (0, 1)])
+@dataclass(frozen=True)
+class _Products:
+    """Scalar and cross products of the displacement and the two tangents, of which all others along a path are made."""
+
+    dots: tuple[tuple[sp.Expr, ...], ...]
+    crosses: tuple[tuple[sp.Expr, ...], ...]
+
+    @classmethod
+    def of(cls, along: sp.Expr, left: sp.Expr, turn: sp.Expr, tangent: sp.Expr) -> _Products:
+        vectors = (
+            sp.Matrix([along, left]),
+            sp.Matrix([tangent, 0]),
+            tangent * sp.Matrix([sp.cos(turn), sp.sin(turn)]),
+        )
+        return cls(
+            tuple(tuple(sp.trigsimp(sp.expand(a.dot(b))) for b in vectors) for a in vectors),
+            tuple(tuple(sp.expand(a[0] * b[1] - a[1] * b[0]) for b in vectors) for a in vectors),
+        )
+
+    def dot(self, first: Array, second: Array) -> sp.Expr:
+        """Scalar product of two vectors given by their weights."""
+        return self._sum(self.dots, np.outer(first, second))
+
+    def cross(self, first: Array, second: Array) -> sp.Expr:
+        """Cross product of two vectors given by their weights."""
+        return self._sum(self.crosses, np.outer(first, second))
+
+    @staticmethod
+    def _sum(products: tuple[tuple[sp.Expr, ...], ...], weights: Array) -> sp.Expr:
+        return sp.Add(*(sp.Float(weights[i, j]) * products[i][j] for i in range(3) for j in range(3)))
+
+
+def _basis(order: int, at: float) -> Array:
+    """Derivatives of the parts of :func:`hermite` that multiply displacement, first and last tangent, shape (3,)."""
+    return np.array([float(one.subs(PARAMETER, at)) for one in _basis_expressions(order)])
 
 
 @cache
-def _basis(order: int) -> tuple[sp.Expr, ...]:
-    """Derivatives of the parts of :func:`hermite` that multiply displacement, first and last tangent."""
+def _basis_expressions(order: int) -> tuple[sp.Expr, ...]:
     names = sp.symbols("displacement first last")
     curve = hermite(*(sp.Matrix([one, 0]) for one in names))[0]
     return tuple(curve.diff(one).diff(PARAMETER, order) for one in names)
