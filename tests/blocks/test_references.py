@@ -1,38 +1,19 @@
-"""References: exact derivatives, boundary and continuity, the least jerk, and a robot that follows without error."""
+"""References: exact derivatives, boundary and continuity, the least jerk."""
 
 import itertools
-from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 import sympy as sp
-from fmpy.validation import validate_fmu
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference_cases import ACCELERATIONS, BOUNDARY, CASES, POINTS, TIMES, B
 from scipy.interpolate import make_interp_spline
 
 import brunovsky as br
 from brunovsky.blocks import TIME, symbols
 from brunovsky.errors import ModelError, ParameterError
 
-B = br.blocks
-POINTS = [[0.0, 0.0], [0.4, 1.1], [1.5, 1.3], [1.2, 2.9], [0.3, 3.4]]
-TIMES = [-0.8, 0.0, 1.3, 2.0, 3.3]
-BOUNDARY = {
-    "start[1]": -0.3, "start[2]": 0.4, "end[1]": 1.7, "end[2]": 2.1, "start_velocity[1]": -0.5,
-    "start_velocity[2]": 0.8, "end_velocity[1]": 0.6, "end_velocity[2]": 0.2, "start_time": -0.2, "duration": 2.7,
-}  # fmt: skip
-ACCELERATIONS = {
-    "start_acceleration[1]": 0.3, "start_acceleration[2]": 0.1, "end_acceleration[1]": -0.7, "end_acceleration[2]": 0.2,
-}  # fmt: skip
-CASES = {
-    "lemniscate": (B.lemniscate, {"center[1]": 0.4, "half_width": 1.3, "rate": -0.7, "phase": 0.3}),
-    "polynomial": (B.polynomial, BOUNDARY | ACCELERATIONS),
-    "polynomial, free": (lambda: B.polynomial(acceleration="free"), BOUNDARY),
-    "waypoints": (lambda: B.waypoints(POINTS, TIMES), {}),
-    "waypoints, free": (lambda: B.waypoints(POINTS, TIMES, acceleration="free"), {"point[2,1]": 0.6}),
-}
 KNOTS = {"polynomial": (-0.2, 2.5), "waypoints": TIMES, "lemniscate": ()}
 
 
@@ -51,11 +32,10 @@ def pieces(block: br.Block, name: str, **values: float) -> list[sp.Expr]:
     return found
 
 
-@pytest.mark.parametrize("engine", ["native", "numpy"])
 @pytest.mark.parametrize("name", CASES)
-def test_derivatives_are_those_of_the_position(name: str, engine: str) -> None:
+def test_derivatives_are_those_of_the_position(name: str) -> None:
     make, values = CASES[name]
-    data = br.simulate(make(), 4.0, step_size=1e-3, parameters=values, engine=engine)  # type: ignore[arg-type]
+    data = br.simulate(make(), 4.0, step_size=1e-3, parameters=values)
     time = data["time"].values[1:-1]
     smooth = np.all([abs(time - knot) > 1.5e-3 for knot in (-1, *KNOTS[name.split(",")[0]])], axis=0)
     assert smooth.sum() > 3900
@@ -64,13 +44,13 @@ def test_derivatives_are_those_of_the_position(name: str, engine: str) -> None:
         for low, high in itertools.pairwise(names):
             slope = (data[low].values[2:] - data[low].values[:-2]) / 2e-3
             np.testing.assert_allclose(slope[smooth], data[high].values[1:-1][smooth], atol=5e-5)
-        assert np.ptp(data[names[-1]]) > 0.1
+        assert np.ptp(data[names[-1]].values) > 0.1
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_engines_agree(name: str) -> None:
     make, values = CASES[name]
-    native, numpy = (br.simulate(make(), 4.0, step_size=0.01, parameters=values, engine=e) for e in ("native", "numpy"))  # type: ignore[arg-type]
+    native, numpy = (br.simulate(make(), 4.0, step_size=0.05, parameters=values, engine=e) for e in ("native", "numpy"))  # type: ignore[arg-type]
     for one in native:
         np.testing.assert_allclose(native[one], numpy[one], atol=1e-11 * (1 + abs(numpy[one]).max()))
 
@@ -101,7 +81,7 @@ def test_rest_to_rest_polynomials_are_the_known_ones() -> None:
         assert position.xreplace({first: sp.false, second: sp.false}) == end
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(values=st.lists(st.floats(-5, 5), min_size=12, max_size=12), duration=st.floats(0.2, 20), free=st.booleans())
 def test_polynomial_meets_its_boundary(values: list[float], duration: float, free: bool) -> None:
     block = B.polynomial(acceleration="free" if free else "given")
@@ -139,7 +119,7 @@ def test_waypoints_are_met_and_smooth_between(acceleration: str) -> None:
                 assert abs(inside[2 if acceleration == "free" else 3]) > 0.1
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(
     intervals=st.lists(st.floats(0.1, 2.0), min_size=1, max_size=5), free=st.booleans(), seed=st.integers(0, 2**31 - 1)
 )
@@ -158,7 +138,10 @@ def test_waypoints_are_scipy_s_interpolating_spline(intervals: list[float], free
 
 
 def cost(jerk: list[sp.Expr], times: list[float]) -> float:
-    return float(sum(sp.integrate(sp.expand(j**2), (TIME, a, b)) for j, (a, b) in zip(jerk, itertools.pairwise(times))))  # noqa: B905
+    """Integral of the square, exactly."""
+    squares = (sp.Poly(one, TIME) ** 2 for one in jerk)
+    return float(sum(one.integrate().eval(b) - one.integrate().eval(a)
+                     for one, (a, b) in zip(squares, itertools.pairwise(times), strict=True)))  # fmt: skip
 
 
 @pytest.mark.parametrize("free", [False, True])
@@ -177,7 +160,7 @@ def test_no_other_motion_with_this_boundary_has_less_jerk(name: str, free: bool)
     ends = ((TIME - first) * (TIME - last)) ** (2 if free else 3)
     for shape in (1, TIME, sp.Rational(1, 3) - TIME**2):
         change = shape * ends * sp.prod(TIME - one for one in between)
-        extra = sp.expand(sp.diff(change, TIME, 3)) / 10
+        extra = sp.diff(change, TIME, 3) / 10
         added = cost([extra] * len(jerk), times)
         assert added > 1e-3 * least
         assert cost([one + extra for one in jerk], times) == pytest.approx(least + added, rel=1e-9)
@@ -201,78 +184,13 @@ def test_two_waypoints_are_the_polynomial() -> None:
 
 
 def test_a_switch_on_the_grid_of_steps_is_not_a_step_late() -> None:
-    """Multiples of 0.1 s round to both sides of the knots; the values at all of them are those of the new piece."""
-    times = [0.1 * k for k in range(1, 12)]
-    block = B.waypoints([[0.0, (-1.0) ** k] for k in range(len(times))], times)
-    data = br.simulate(block, 2.0, step_size=0.1)
-    assert data["zd3[2]"].values[0] == 0 and abs(data["zd3[2]"].values[1]) > 1e3
-    assert data["zd3[2]"].values[11] == 0 and abs(data["zd3[2]"].values[10]) > 1e3
-    block = B.polynomial()
-    for tenth in range(1, 60):
-        data = br.simulate(block, 6.0, step_size=0.1, parameters={"duration": 0.1 * tenth}, engine="native")
-        assert data["zd3[2]"].values[tenth] == 0 and data["zd3[2]"].values[tenth - 1] != 0
-
-
-def consistent_start(reference: br.Block, values: dict[str, float]) -> dict[str, float]:
-    """Start of the robot on the reference, which moves there: its heading is that of the velocity."""
-    data = br.simulate(reference, 1e-3, parameters=values)
-    position, velocity, acceleration = (
-        np.array([data[f"Z{i}d[{k}]"].values[0] for i in (1, 2)], dtype=float) for k in (1, 2, 3)
-    )
-    speed = np.hypot(*velocity)
-    theta = np.arctan2(-velocity[0], velocity[1])
-    along, across = np.array([-np.sin(theta), np.cos(theta)]), np.array([-np.cos(theta), -np.sin(theta)])
-    return {
-        "x_start": position[0], "y_start": position[1], "theta_start": theta, "eta_start[1]": speed,
-        "eta_start[2]": across @ acceleration / speed, "u_start[1]": along @ acceleration,
-    }  # fmt: skip
-
-
-@pytest.mark.parametrize("engine", ["native", "numpy"])
-@pytest.mark.parametrize("name", CASES)
-def test_the_robot_follows_from_a_consistent_start(name: str, engine: str) -> None:
-    make, values = CASES[name]
-    loop = B.closed_loop(B.pole_placement(), reference=make())
-    values = values | consistent_start(make(), values)
-    data = br.simulate(loop, 2.4, parameters=values, engine=engine, record=["e1", "e2", "eta[1]"])  # type: ignore[arg-type]
-    assert data["eta[1]"].min() > 0.1
-    for one in ("e1[1]", "e2[1]"):
-        assert abs(data[one]).max() < 1e-9
-
-
-@pytest.mark.parametrize("engine", ["native", "numpy"])
-def test_the_robot_drives_from_rest_to_rest_on_a_line(engine: str) -> None:
-    """Heading along the line, the sliding-mode loop starts at rest, arrives and stays, through the guard of the law."""
-    theta = 0.6
-    goal = 3.0 * np.array([-np.sin(theta), np.cos(theta)])
-    values = {
-        "x_start": 0.0, "theta_start": theta, "eta_start[1]": 0.0, "start_time": 0.3, "duration": 1.7, "end[1]": goal[0],
-        "end[2]": goal[1],
-    }  # fmt: skip
-    data = br.simulate(B.closed_loop(reference=B.polynomial()), 3.0, parameters=values, engine=engine)  # type: ignore[arg-type]
-    assert max(abs(data[one]).max() for one in ("e1[1]", "e2[1]")) < 1e-9
-    assert np.hypot(*(data[one].values[-1] for one in ("x", "y"))) == pytest.approx(3.0, abs=1e-9)
-    assert data["eta[1]"].values[-1] == pytest.approx(0, abs=1e-9)
-    assert abs(data["theta"] - theta).max() < 1e-9
-
-
-def test_a_free_acceleration_is_a_regular_start_at_rest() -> None:
-    """From rest on a curve, the robot starts as the reference accelerates: no error beyond that of the guard's width."""
-    points = [[0.0, 0.0], [0.3, 1.0], [1.0, 1.8], [2.2, 2.0]]
-    reference = B.waypoints(points, [0.0, 1.0, 2.0, 3.0], acceleration="free")
-    data = br.simulate(reference, 1e-3)
-    pull = np.array([data["Z1d[3]"].values[0], data["Z2d[3]"].values[0]])
-    assert [data["zd3[1]"].values[0], data["zd3[2]"].values[0]] == pytest.approx([0, 0], abs=1e-12)
-    start = {"x_start": 0.0, "eta_start[1]": 0.0, "theta_start": np.arctan2(-pull[0], pull[1])}
-    errors = []
-    for limit in (0.05, 0.01):
-        values = start | {"u_start[1]": np.hypot(*pull), "eta_min": limit}
-        data = br.simulate(
-            B.closed_loop(B.pole_placement(), reference=reference), 2.9, parameters=values, step_size=1e-4
-        )
-        errors.append(float(np.hypot(data["e1[1]"], data["e2[1]"]).max()))
-    print(errors)
-    assert errors[0] < 1e-3 and errors[1] < 0.2 * errors[0]
+    """The k-th step of 0.3 s begins a rounding before 3 k/10 s or after it; it sees the piece that begins there."""
+    block, late = B.polynomial(), 0
+    for k in range(1, 40, 2):
+        data = br.simulate(block, 12.0, step_size=0.3, parameters={"duration": 3 * k / 10}, record=["zd3[2]"])
+        late += data["time"].values[k] < 3 * k / 10
+        assert data["zd3[2]"].values[k] == 0 and data["zd3[2]"].values[k - 1] != 0
+    assert late > 3
 
 
 def test_references_are_known_ahead() -> None:
@@ -281,21 +199,6 @@ def test_references_are_known_ahead() -> None:
     for name in ("Z1d[1]", "Z2d[2]"):
         ahead = name.replace("d[", "d_next[")
         np.testing.assert_allclose(data[ahead].values[:-1], data[name].values[1:], atol=1e-12)
-
-
-@pytest.mark.parametrize("version", [2, 3])
-def test_as_fmu_waypoints_are_the_native_ones(version: int, tmp_path: Path) -> None:
-    block = B.waypoints(POINTS[:4], TIMES[:4])
-    fmu = br.export_fmu(block, tmp_path / "waypoints.fmu", fmi_version=version)  # type: ignore[arg-type]
-    assert validate_fmu(str(fmu)) == []
-    values = {"point[2,1]": 0.7}
-    for kind in ("CoSimulation", "ModelExchange"):
-        found = fmpy.simulate_fmu(
-            str(fmu), fmi_type=kind, stop_time=3.0, output_interval=0.01, start_values=values, record_events=False
-        )
-        expected = br.simulate(block, 3.0, step_size=0.01, parameters=values)
-        for one in expected:
-            np.testing.assert_allclose(found[one], expected[one], atol=1e-12, err_msg=f"{kind} {one}")
 
 
 @pytest.mark.parametrize(
