@@ -38,6 +38,13 @@ def test_the_robot_follows_from_a_consistent_start(name: str, engine: str) -> No
         assert abs(data[one]).max() < 1e-9
 
 
+def test_points_between_need_not_lie_on_the_grid_of_steps() -> None:
+    reference = B.waypoints(POINTS, [-0.8, 0.0, 1.30037, 2.00061, 3.3])
+    loop = B.closed_loop(B.pole_placement(), reference=reference)
+    data = br.simulate(loop, 2.4, parameters=consistent_start(reference, {}), record=["e1[1]", "e2[1]"])
+    assert max(float(abs(data[one]).max()) for one in data) < 1e-9
+
+
 @pytest.mark.parametrize("engine", ["native", "numpy"])
 def test_the_robot_drives_from_rest_to_rest_on_a_line(engine: str) -> None:
     """Heading along the line, the sliding-mode loop starts at rest, arrives and stays, through the guard of the law."""
