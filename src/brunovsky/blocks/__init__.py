@@ -13,10 +13,12 @@ from brunovsky.blocks.library import (
     errors,
     flat_sliding_mode,
     integral_sliding_mode,
+    lemniscate,
     line,
     linearized_robot,
     polar_sliding_mode,
     pole_placement,
+    polynomial,
     posture_loop,
     posture_reference,
     preview,
@@ -33,6 +35,7 @@ from brunovsky.blocks.library import (
     sliding_sector,
     super_twisting,
     super_twisting_sampled,
+    waypoints,
 )
 from brunovsky.blocks.linearized import inner_loop, linearized_block, plant_block
 from brunovsky.blocks.variables import (
@@ -78,12 +81,14 @@ __all__ = [
     "flat_sliding_mode",
     "inner_loop",
     "integral_sliding_mode",
+    "lemniscate",
     "line",
     "linearized_block",
     "linearized_robot",
     "plant_block",
     "polar_sliding_mode",
     "pole_placement",
+    "polynomial",
     "posture_loop",
     "posture_reference",
     "preview",
@@ -102,4 +107,5 @@ __all__ = [
     "super_twisting_sampled",
     "symbol",
     "symbols",
+    "waypoints",
 ]

@@ -15,7 +15,15 @@ from brunovsky.blocks.library.outer_loops import (
     super_twisting,
     super_twisting_sampled,
 )
-from brunovsky.blocks.library.references import circle, line, preview, set_point
+from brunovsky.blocks.library.references import (
+    circle,
+    lemniscate,
+    line,
+    polynomial,
+    preview,
+    set_point,
+    waypoints,
+)
 from brunovsky.blocks.library.relatives import (
     backstepping,
     flat_sliding_mode,
@@ -37,10 +45,12 @@ __all__ = [
     "errors",
     "flat_sliding_mode",
     "integral_sliding_mode",
+    "lemniscate",
     "line",
     "linearized_robot",
     "polar_sliding_mode",
     "pole_placement",
+    "polynomial",
     "posture_loop",
     "posture_reference",
     "preview",
@@ -57,4 +67,5 @@ __all__ = [
     "sliding_sector",
     "super_twisting",
     "super_twisting_sampled",
+    "waypoints",
 ]
