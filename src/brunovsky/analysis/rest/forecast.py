@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -89,53 +89,70 @@ def goal_frame_forecast(
 def _arrival(loop: Diagram, values: Mapping[str, float], t_end: float, step_size: float) -> Arrival:
     goal = np.array([values["goal[1]"], values["goal[2]"]])
     start = np.array([values["x_start"], values["y_start"]]) - goal
-    heading, theta = values["goal_heading"], values["theta_start"]
-    if np.hypot(*start) <= values["park_distance"]:
-        return Arrival(
-            0.0, np.inf, 0.0, 0.0, 0.0, float(np.hypot(*start)), wrapped(theta - heading), True, False, np.nan
-        )
-    launch = -1.0 if start @ _direction(heading) > 0 else 1.0
+    forward, turn = _direction(values["theta_start"]), wrapped(values["theta_start"] - values["goal_heading"])
+    distance = float(np.linalg.norm(start))
+    if distance <= values["park_distance"]:
+        return Arrival(0.0, np.inf, 0.0, 0.0, 0.0, distance, turn, True, False, np.nan)
+    launch = -1.0 if start @ _direction(values["goal_heading"]) > 0 else 1.0
     speed, acceleration = launch * values["launch_speed"], launch * values["launch_acceleration"]
     duration = speed / acceleration
-    if duration >= t_end:  # a launch that is driven so slowly that it has no end
-        stop = start + acceleration * t_end**2 / 2 * _direction(theta)
-        peak = abs(acceleration) * t_end
-        away, turn = float(np.hypot(*stop)), wrapped(theta - heading)
-        return Arrival(launch, np.inf, peak, abs(acceleration), 0.0, away, turn, False, False, np.nan)
-    launched = np.array(
-        [
-            start + goal + speed * duration / 2 * _direction(theta),
-            *(one * _direction(theta) for one in (speed, acceleration)),
-        ]
-    )
-    starts = {f"Z{i}_start[{k}]": float(launched[k - 1, i - 1]) for i in (1, 2) for k in (1, 2, 3)}
-    law = {one.name: values[one.name] for one in loop.parameters if one.name in values}
-    targets = {f"target[{i}]": float(goal[i - 1]) for i in (1, 2)}
-    run = simulate(loop, t_end - duration, step_size=step_size, parameters=starts | law | targets, record=_RECORD)
+    if duration >= t_end:  # so slow that the launch has no end
+        stop = float(np.linalg.norm(start + acceleration * t_end**2 / 2 * forward))
+        return Arrival(
+            launch, np.inf, abs(acceleration) * t_end, abs(acceleration), 0.0, stop, turn, False, False, np.nan
+        )
+    launched = (goal + start + speed * duration / 2 * forward, speed * forward, acceleration * forward)
+    parameters = {f"Z{i}_start[{k}]": float(one[i - 1]) for i in (1, 2) for k, one in enumerate(launched, 1)}
+    parameters |= {f"target[{i}]": float(goal[i - 1]) for i in (1, 2)}
+    parameters |= {one.name: values[one.name] for one in loop.parameters if one.name in values}
+    run = simulate(loop, t_end - duration, step_size=step_size, parameters=parameters, record=_RECORD)
+    tracked = _tracked(run, goal, values)
+    left = t_end - duration - float(run["time"][len(tracked.speed) - 1]) if tracked.parks else 0.0
+    return _parked(tracked, launch, acceleration, left, values)
+
+
+class _Tracked(NamedTuple):
+    """What the robot would have to do until it parks; all but the last are arrays over time."""
+
+    position: Floats
+    velocity: Floats
+    speed: Floats
+    growth: Floats
+    yaw_acceleration: Floats
+    direction: Floats
+    yaw_rate: Floats
+    parks: bool
+
+
+def _tracked(run: xr.Dataset, goal: Floats, values: Mapping[str, float]) -> _Tracked:
     seen = np.array([run[name].values for name in _RECORD])
     position, velocity = seen[[0, 3]].T - goal, seen[[1, 4]].T
-    rate = np.linalg.norm(velocity, axis=1)
-    parks = (np.linalg.norm(position, axis=1) <= values["park_distance"]) & (rate <= values["park_speed"])
-    end = int(np.argmax(parks)) if parks.any() else len(parks) - 1
+    near = np.linalg.norm(position, axis=1) <= values["park_distance"]
+    parks = near & (np.linalg.norm(velocity, axis=1) <= values["park_speed"])
+    count = int(np.argmax(parks)) + 1 if parks.any() else len(parks)
     with np.errstate(all="ignore"):
-        motion = np.broadcast_arrays(*_motion()(*seen[:, : end + 1]))
-    dip = last_dip(motion[1])
-    eta1, u1, u2 = (abs(one) for one in motion[:3])
-    last_theta, last_eta2 = float(motion[3][-1]) + (np.pi if launch < 0 else 0.0), float(motion[4][-1])
-    left = t_end - duration - float(run["time"][end]) if parks.any() else 0.0
-    fades = [np.exp(-values[f"brake[{k}]"] * left) for k in (1, 2)]
-    braking = [values[f"brake[{k}]"] * abs(float(motion[column][end])) * (left > 0) for k, column in ((1, 0), (2, 4))]
-    covered = [(1 - fade) / values[f"brake[{k}]"] for k, fade in enumerate(fades, 1)]
-    final = position[end] + velocity[end] * covered[0]
+        speed, growth, yaw, direction, yaw_rate = np.broadcast_arrays(*_motion()(*seen[:, :count]))
+    return _Tracked(position[:count], velocity[:count], speed, growth, yaw, direction, yaw_rate, bool(parks.any()))
+
+
+def _parked(tracked: _Tracked, launch: float, acceleration: float, left: float, values: Mapping[str, float]) -> Arrival:
+    """Arrival after the time that is left for parking: both speeds decay exponentially, the heading hardly turns."""
+    brakes = (values["brake[1]"], values["brake[2]"])
+    fades = [np.exp(-one * left) for one in brakes]
+    covered = [(1 - fade) / one for fade, one in zip(fades, brakes, strict=True)]
+    speed, yaw_rate = float(tracked.speed[-1]), float(tracked.yaw_rate[-1])
+    braking = (brakes[0] * speed, brakes[1] * abs(yaw_rate)) if tracked.parks else (0.0, 0.0)
+    final = tracked.position[-1] + tracked.velocity[-1] * covered[0]
+    heading = float(tracked.direction[-1]) + (np.pi if launch < 0 else 0.0) + yaw_rate * covered[1]
     return Arrival(
         launch=launch,
-        minimum_speed=_nearest_to_zero(velocity[: dip + 1]),
-        peak_speed=float(eta1.max()),
-        peak_forward_acceleration=max(float(u1.max()), abs(acceleration), braking[0]),
-        peak_yaw_acceleration=max(float(np.nan_to_num(u2, nan=np.inf).max()), braking[1]),
-        position_error=float(np.hypot(*final)),
-        heading_error=wrapped(last_theta + last_eta2 * covered[1] - heading),
-        is_at_rest=bool(eta1[-1] * fades[0] <= SPEED and abs(last_eta2) * fades[1] <= YAW_RATE),
+        minimum_speed=_nearest_to_zero(tracked.velocity[: last_dip(tracked.growth) + 1]),
+        peak_speed=float(tracked.speed.max()),
+        peak_forward_acceleration=max(float(abs(tracked.growth).max()), abs(acceleration), braking[0]),
+        peak_yaw_acceleration=max(float(np.nan_to_num(abs(tracked.yaw_acceleration), nan=np.inf).max()), braking[1]),
+        position_error=float(np.linalg.norm(final)),
+        heading_error=wrapped(heading - values["goal_heading"]),
+        is_at_rest=bool(speed * fades[0] <= SPEED and abs(yaw_rate) * fades[1] <= YAW_RATE),
         has_failed=False,
         arrival_time=np.nan,
     )
