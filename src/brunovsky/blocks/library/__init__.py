@@ -4,6 +4,7 @@ from brunovsky.blocks.library.actuators import actuator_lags
 from brunovsky.blocks.library.chains import Chains
 from brunovsky.blocks.library.closed_loop import closed_loop
 from brunovsky.blocks.library.errors import errors
+from brunovsky.blocks.library.goal_frame import goal_frame_law, goal_frame_manoeuvre
 from brunovsky.blocks.library.outer_loops import (
     disturbance_observer,
     integral_sliding_mode,
@@ -44,6 +45,8 @@ __all__ = [
     "disturbance_observer",
     "errors",
     "flat_sliding_mode",
+    "goal_frame_law",
+    "goal_frame_manoeuvre",
     "integral_sliding_mode",
     "lemniscate",
     "line",
