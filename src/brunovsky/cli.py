@@ -56,6 +56,8 @@ BLOCKS: Mapping[str, Callable[[], br.Block]] = {
         "robot_with_lags",
         "circle",
         "line",
+        "lemniscate",
+        "polynomial",
         "sliding_mode",
         "sliding_mode_relay",
         "sliding_mode_sampled",

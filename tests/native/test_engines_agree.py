@@ -43,8 +43,9 @@ def difference(one: xr.Dataset, other: xr.Dataset) -> float:
 
 @pytest.mark.parametrize(
     "name",
-    ["robot", "linearized_robot", "robot_with_lags", "circle", "line", "sliding_mode", "pole_placement", "closed_loop"],
-)
+    ["robot", "linearized_robot", "robot_with_lags", "circle", "line", "lemniscate", "polynomial", "sliding_mode",
+     "pole_placement", "closed_loop"],
+)  # fmt: skip
 def test_shipped_blocks_agree_to_rounding(name: str) -> None:
     block = getattr(br.blocks, name)()
     inputs = {one.name: (lambda time, k=index: math.sin(time + k)) for index, one in enumerate(block.inputs)}

@@ -6,8 +6,9 @@ super-twisting, phase portraits. Both work on gains and surfaces alone, for chai
 
 `chatter` predicts what a `SwitchingLoop`, a chain behind an actuator with lags, delay or sampling, does: by describing
 function and exactly, beside a measurement. `robot` cuts the robot's loop at its actuators and predicts its chatter
-with lags there. `coupling` steps the components of a diagram as a master does and finds the limit of its communication
-step. `input_sensitivity` says what v costs at u for any plant; `system` hands a whole block to
+with lags there. `rest` draws resting poses and says what becomes of them under poles in the frame of the goal, by
+forecast and by simulation. `coupling` steps the components of a diagram as a master does and finds the limit of its
+communication step. `input_sensitivity` says what v costs at u for any plant; `system` hands a whole block to
 python-control.
 """
 
@@ -50,6 +51,11 @@ from brunovsky.analysis.linear.set_point import (
     set_point_transfer,
     step_information,
 )
+from brunovsky.analysis.rest.forecast import goal_frame_forecast
+from brunovsky.analysis.rest.manoeuvre import goal_frame_rate
+from brunovsky.analysis.rest.outcome import outcome_table
+from brunovsky.analysis.rest.poses import resting_poses
+from brunovsky.analysis.rest.runs import goal_frame_runs
 from brunovsky.analysis.robot.actuator_loop import actuator_loop, actuator_loop_transfer, return_difference
 from brunovsky.analysis.robot.chatter import (
     RobotChatter,
@@ -120,6 +126,9 @@ __all__ = [
     "error_dynamics",
     "forward_disturbance_bound",
     "gang_of_four",
+    "goal_frame_forecast",
+    "goal_frame_rate",
+    "goal_frame_runs",
     "harmonic_balance",
     "input_gain",
     "input_sensitivity",
@@ -136,6 +145,7 @@ __all__ = [
     "measured_chatter",
     "measured_order",
     "opened_loop",
+    "outcome_table",
     "place",
     "pole_zero_map",
     "predicted_cycles",
@@ -146,6 +156,7 @@ __all__ = [
     "relay_cycles",
     "relay_locus",
     "relay_locus_plot",
+    "resting_poses",
     "return_difference",
     "robot_chatter_table",
     "root_locus_over_reaching_rate",

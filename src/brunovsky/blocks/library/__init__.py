@@ -4,6 +4,7 @@ from brunovsky.blocks.library.actuators import actuator_lags
 from brunovsky.blocks.library.chains import Chains
 from brunovsky.blocks.library.closed_loop import closed_loop
 from brunovsky.blocks.library.errors import errors
+from brunovsky.blocks.library.goal_frame import goal_frame_law, goal_frame_manoeuvre
 from brunovsky.blocks.library.outer_loops import (
     disturbance_observer,
     integral_sliding_mode,
@@ -15,7 +16,15 @@ from brunovsky.blocks.library.outer_loops import (
     super_twisting,
     super_twisting_sampled,
 )
-from brunovsky.blocks.library.references import circle, line, preview, set_point
+from brunovsky.blocks.library.references import (
+    circle,
+    lemniscate,
+    line,
+    polynomial,
+    preview,
+    set_point,
+    waypoints,
+)
 from brunovsky.blocks.library.relatives import (
     backstepping,
     flat_sliding_mode,
@@ -37,11 +46,15 @@ __all__ = [
     "disturbance_observer",
     "errors",
     "flat_sliding_mode",
+    "goal_frame_law",
+    "goal_frame_manoeuvre",
     "integral_sliding_mode",
+    "lemniscate",
     "line",
     "linearized_robot",
     "polar_sliding_mode",
     "pole_placement",
+    "polynomial",
     "posture_loop",
     "posture_reference",
     "preview",
@@ -60,4 +73,5 @@ __all__ = [
     "sliding_sector",
     "super_twisting",
     "super_twisting_sampled",
+    "waypoints",
 ]
