@@ -6,10 +6,14 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: small matrices, and one process for each core
 
+import hypothesis
 import pytest
 import sympy as sp
 
 from brunovsky.blocks import Block, Input, Mode, Output, Parameter, Sample, State, Transition, symbols
+
+hypothesis.settings.register_profile("untimed", deadline=None)  # no test fails because the machine is busy
+hypothesis.settings.load_profile("untimed")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -1,6 +1,7 @@
 """Finding and running the C compiler, and the cache of what it made."""
 
 import ctypes
+import dataclasses
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -94,7 +95,9 @@ def test_objects_are_found_again_by_all_that_they_depend_on(monkeypatch: pytest.
 def test_a_cache_that_cannot_be_written_is_done_without(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     monkeypatch.setenv("BRUNOVSKY_CACHE", str(tmp_path / "file" / "cache"))
-    assert br.export_fmu(br.blocks.circle(), tmp_path / "circle.fmu").exists()
+    block = dataclasses.replace(br.blocks.circle(), name="circle_without_cache")  # loaded nowhere before
+    assert br.export_fmu(block, tmp_path / "circle.fmu").exists()
+    assert br.simulate(block, 0.1)["Z1d[1]"][0] == pytest.approx(2**0.5)
 
 
 def test_generated_code_has_no_warnings(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import ctypes
 import hashlib
 import os
 import tempfile
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from brunovsky._resources import runtime_folder
@@ -35,15 +35,32 @@ def build_library(block: Block) -> Path:
         compiler_version(find_compiler()),
     ]
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
-    library = cache_folder() / f"{block.name}-{key}{SUFFIX}"
+    name = f"{block.name}-{key}{SUFFIX}"
+    library = cache_folder() / name
     if not library.exists():
-        library.parent.mkdir(parents=True, exist_ok=True)
+        library = _writable_folder() / name
+    if not library.exists():
         with tempfile.TemporaryDirectory() as folder:
             source = Path(folder) / "model.c"
             source.write_text(text)
             sources = [source, *(runtime / name for name in ENGINE_SOURCES)]
             compile_library(sources, library, include=[runtime], defines={"ENGINE_API": _EXPORT})
     return library
+
+
+def _writable_folder() -> Path:
+    """The cache, or a folder of this process where the cache can't be written."""
+    folder = cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return Path(_own_folder().name)
+    return folder if os.access(folder, os.W_OK) else Path(_own_folder().name)
+
+
+@cache
+def _own_folder() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="brunovsky-")
 
 
 _EXPORT = "__declspec(dllexport)" if os.name == "nt" else '__attribute__((visibility("default")))'
