@@ -25,8 +25,10 @@ def test_the_fmu_drives_as_the_native_simulation_does(tmp_path: Path, version: i
     result = fmpy.simulate_fmu(str(path), fmi_type="CoSimulation", stop_time=8.0, step_size=1e-3, output_interval=1e-3,
                                start_values=START, output=RECORD)  # fmt: skip
     assert len(result["time"]) == len(native["time"])
+    changes = native["mode"].values != result["mode"]  # simulate records after an instant's transitions, an FMU before
+    assert changes.sum() <= 2
     for name in RECORD:
-        np.testing.assert_allclose(result[name], native[name], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(result[name][~changes], native[name][~changes], rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.slow

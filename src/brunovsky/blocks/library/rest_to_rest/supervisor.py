@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import sympy as sp
 
@@ -48,6 +49,7 @@ _MODES = (
 )
 
 
+@cache
 def supervisor() -> Block:
     """Supervisor of :func:`regulator`: everything but the outer loop.
 
