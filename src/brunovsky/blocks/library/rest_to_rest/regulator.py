@@ -40,15 +40,15 @@ def regulator(law: Block | None = None) -> Diagram:
     -------
     Diagram
         Inputs ``goal[1..2]`` (m), ``goal_heading`` (rad) and the robot's ``x``, ``y``, ``theta``, ``eta[1..2]``;
-        outputs ``u[1..2]`` (m/s2, rad/s2), ``mode``, and the reference and chains. Parameters: the limits
-        ``speed_limit`` (m/s), ``u_limit[1..2]`` (m/s2, rad/s2), those of the law and of the supervisor.
+        outputs ``u[1..2]`` (m/s2, rad/s2) and ``mode``. Parameters: the limits ``speed_limit`` (m/s) and
+        ``u_limit[1..2]`` (m/s2, rad/s2), those of the law and of the supervisor.
 
     Raises
     ------
     ModelError
         If `law` is not for the robot's chains.
     ParameterError
-        At the start, where a limit is not positive, or too small for the tolerances; the message has the reason.
+        At the start, where a limit is not positive; the message has the reason.
 
     References
     ----------
