@@ -31,7 +31,7 @@ def poles_of_loop(law: br.Block, chains: Chains) -> list[complex]:
     return sorted(np.linalg.eigvals(np.array(jacobian, dtype=float)), key=lambda one: (one.real, one.imag))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.lists(LEFT, min_size=3, max_size=3, unique_by=lambda x: round(x)))
 def test_integral_action_places_one_pole_more_per_chain(poles: list[float]) -> None:
     chains = Chains((2, 1), ("m", "V"))
@@ -66,7 +66,7 @@ def test_a_constant_disturbance_leaves_no_error(law: br.Block) -> None:
     assert float(plain["e1[1]"][-1]) == pytest.approx(3.0 / 120.0, rel=1e-6)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.lists(LEFT, min_size=3, max_size=3), st.floats(1.0, 30.0))
 def test_the_observer_is_integral_action_with_the_poles_of_gain_and_bandwidth(poles: list[float], L: float) -> None:
     """With p' = nominal law and d_hat = L (Z_3 - p), v is that of integral action once p is written as an integral."""

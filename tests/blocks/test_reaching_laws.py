@@ -106,7 +106,7 @@ def condition(count: int) -> tuple[tuple[sp.Symbol, ...], sp.Basic]:
 REAL_PART = st.floats(0.1, 5.0).flatmap(lambda x: st.sampled_from([-x, -x, -x, x]))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.lists(REAL_PART, max_size=2),
     st.lists(st.tuples(REAL_PART, st.floats(0.0, 5.0)), max_size=2),

@@ -81,7 +81,7 @@ def test_rest_to_rest_polynomials_are_the_known_ones() -> None:
         assert position.xreplace({first: sp.false, second: sp.false}) == end
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(values=st.lists(st.floats(-5, 5), min_size=12, max_size=12), duration=st.floats(0.2, 20), free=st.booleans())
 def test_polynomial_meets_its_boundary(values: list[float], duration: float, free: bool) -> None:
     block = B.polynomial(acceleration="free" if free else "given")
@@ -119,7 +119,7 @@ def test_waypoints_are_met_and_smooth_between(acceleration: str) -> None:
                 assert abs(inside[2 if acceleration == "free" else 3]) > 0.1
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(
     intervals=st.lists(st.floats(0.1, 2.0), min_size=1, max_size=5), free=st.booleans(), seed=st.integers(0, 2**31 - 1)
 )

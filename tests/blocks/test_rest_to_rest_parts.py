@@ -8,7 +8,8 @@ import sympy as sp
 from scipy.integrate import quad
 from scipy.optimize import minimize
 
-from brunovsky.blocks.library.rest_to_rest.path import PARAMETER, Pose, curvature, forward, hermite, path_speed
+from brunovsky.blocks.library.heading import direction
+from brunovsky.blocks.library.rest_to_rest.path import PARAMETER, Pose, curvature, hermite, path_speed
 from brunovsky.blocks.library.rest_to_rest.reference import Drive, Reference
 from brunovsky.blocks.library.rest_to_rest.timing import (
     TURN_SHARE,
@@ -17,7 +18,7 @@ from brunovsky.blocks.library.rest_to_rest.timing import (
     path_timing,
     rise,
     rise_time,
-    turned,
+    swept,
 )
 from brunovsky.blocks.variables import TIME
 
@@ -41,19 +42,21 @@ def test_the_path_has_the_poses_and_no_curvature_at_its_ends() -> None:
     path = start.path_to(end, tangent)
     for s, pose in ((0, start), (1, end)):
         assert sp.simplify(path.subs(PARAMETER, s) - pose.position) == sp.zeros(2, 1)
-        assert sp.simplify(path.diff(PARAMETER).subs(PARAMETER, s) - tangent * forward(pose.heading)) == sp.zeros(2, 1)
+        assert sp.simplify(path.diff(PARAMETER).subs(PARAMETER, s) - tangent * direction(pose.heading)) == sp.zeros(
+            2, 1
+        )
         assert sp.simplify(curvature(path).subs(PARAMETER, s)) == 0
 
 
 def test_the_rise_and_the_turn_have_least_jerk() -> None:
     s = sp.Symbol("s")
-    for curve, fixed in ((sp.integrate(rise(s), s), (0,)), (turned(s), (0, 1))):
+    for curve, fixed in ((sp.integrate(rise(s), s), (0,)), (swept(s), (0, 1))):
         velocity = sp.diff(curve, s)
         assert velocity.subs(s, 0) == 0
         assert sp.diff(curve, s, 6) == 0  # Euler-Lagrange
         assert all(sp.diff(curve, s, 3).subs(s, end) == 0 for end in fixed)  # natural, where s'' is free
     assert rise(1) == 1 and sp.diff(rise(s), s).subs(s, 1) == 0
-    assert turned(0) == 0 and turned(1) == 1 and sp.diff(turned(s), s).subs(s, 1) == 0
+    assert swept(0) == 0 and swept(1) == 1 and sp.diff(swept(s), s).subs(s, 1) == 0
 
 
 def test_no_polynomial_turns_with_less_jerk_than_the_turn() -> None:
@@ -150,7 +153,7 @@ def test_a_regular_start_has_its_acceleration_along_the_heading() -> None:
     reference = Reference.along(path, drive, sp.S.One)
     at_start = {TIME: sp.S.Zero, PARAMETER: sp.S.Zero}
     first, second, third = (_settled(one, drive).subs(at_start) for one in reference.derivatives)
-    h, across = forward(start.heading), forward(start.heading + sp.pi / 2)
+    h, across = direction(start.heading), direction(start.heading + sp.pi / 2)
     assert first.norm() == 0
     assert float(second.dot(h)) == pytest.approx(1.2) and float(second.dot(across)) == pytest.approx(0, abs=1e-12)
     assert float(third.dot(across)) == pytest.approx(0, abs=1e-12)  # j_perp = 0: the yaw rate begins at 0

@@ -184,7 +184,7 @@ surfaces = st.integers(1, 4).flatmap(
 )
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(surfaces, st.floats(1e-3, 2.0), st.one_of(st.none(), st.floats(0.1, 30.0)), st.sampled_from(["euler", "exact"]))
 def test_the_check_of_the_period_is_that_of_the_poles(surface, period, rate, surface_map):
     roots, leading = surface

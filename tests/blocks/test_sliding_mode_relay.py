@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from outer_loop_cases import SURFACE, B, chain_loop, chain_plant
 
@@ -86,7 +86,6 @@ def test_without_hysteresis_and_dwell_it_is_the_sign_function() -> None:
     assert abs(one - other).max() < 1e-4
 
 
-@settings(deadline=None)
 @given(
     s=st.floats(-1.0, 1.0) | st.sampled_from([-0.1, 0.1, 0.0]),
     relay=st.sampled_from([-1, 1]),

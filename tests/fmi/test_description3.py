@@ -53,10 +53,13 @@ def user_diagram(ball: Block) -> Block:
     )
 
 
-@pytest.fixture(
-    params=[*shipped_fmus(), "unicycle", "quadrotor", "zoo", "relay", "sampled_integrator", "ball", "diagram"]
-)
-def any_block(request: pytest.FixtureRequest) -> Block:
+WITH_CLOCKS = "sliding_mode_clocked"  # which FMI 2 does not know
+OTHERS = [*(one for one in shipped_fmus() if one != WITH_CLOCKS), "unicycle", "quadrotor", "zoo", "relay",
+          "sampled_integrator", "ball", "diagram"]  # fmt: skip
+
+
+@pytest.fixture
+def block(request: pytest.FixtureRequest) -> Block:
     name = request.param
     if name in shipped_fmus():
         return shipped_block(name)
@@ -67,32 +70,32 @@ def any_block(request: pytest.FixtureRequest) -> Block:
     return request.getfixturevalue(name)
 
 
+@pytest.mark.parametrize("block", [*OTHERS, WITH_CLOCKS], indirect=True)
 @pytest.mark.parametrize("arrays", [False, True], ids=["scalars", "arrays"])
-def test_fmpy_finds_nothing_in_any_block(any_block: Block, arrays: bool, described: Describe) -> None:
-    description = described(any_block, arrays=arrays)
+def test_fmpy_finds_nothing_in_any_block(block: Block, arrays: bool, described: Describe) -> None:
+    description = described(block, arrays=arrays)
     assert description.fmiVersion == "3.0" and description.instantiationToken == "{token}"
-    assert sum(max(1, *one.shape, 1) for one in description.modelVariables) >= len(any_block.variables)
+    assert sum(max(1, *one.shape, 1) for one in description.modelVariables) >= len(block.variables)
     assert all(one.description for one in description.modelVariables)
     assert all(one.unit for one in description.modelVariables if one.type == "Float64")
     states = [one.variable.derivative for one in description.derivatives]
-    assert sum(one.shape[0] if one.shape else 1 for one in states) == len(any_block.states)
-    assert len(description.eventIndicators) == len(indicators(any_block))
+    assert sum(one.shape[0] if one.shape else 1 for one in states) == len(block.states)
+    assert len(description.eventIndicators) == len(indicators(block))
 
 
-def test_scalars_are_those_of_fmi_2(any_block: Block, described: Describe) -> None:
+@pytest.mark.parametrize("block", OTHERS, indirect=True)
+def test_scalars_are_those_of_fmi_2(block: Block, described: Describe) -> None:
     types = {"Real": "Float64", "Integer": "Int32"}
     keys = ("valueReference", "causality", "variability", "initial", "unit", "start", "min", "max", "description")
-    if any_block.clocks:
-        pytest.skip("FMI 2 has no clocks")
-    second, third = described(any_block, 2), {one.name: one for one in described(any_block).modelVariables}
+    second, third = described(block, 2), {one.name: one for one in described(block).modelVariables}
     for one in second.modelVariables:
         other = third.pop(one.name)
         assert other.type == types.get(one.type, one.type)
         assert {key: getattr(other, key) for key in keys} == {key: getattr(one, key) for key in keys}
         assert getattr(other.derivative, "name", None) == getattr(one.derivative, "name", None)
-    assert len(third) == len(indicators(any_block))
+    assert len(third) == len(indicators(block))
     references = [one.valueReference for one in third.values()]
-    assert references == list(range(reference_offsets(any_block)["indicators"], reference_offsets(any_block)["end"]))
+    assert references == list(range(reference_offsets(block)["indicators"], reference_offsets(block)["end"]))
 
 
 def test_an_indicator_that_is_a_state_is_no_unknown_of_initialisation(described: Describe) -> None:

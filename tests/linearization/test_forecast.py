@@ -34,7 +34,7 @@ def test_robot_outside_the_circle(theta: float, distance: float, peak: float) ->
     assert found.chains.shape == (20001, 6) and found.distances.shape == found.times.shape
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(theta=st.floats(-3.0, 3.0), speed=st.sampled_from([-1.0, 0.5, 2.0]))
 def test_robot_simulated_comes_as_near(theta: float, speed: float) -> None:
     result = linearized("nominal_robot")

@@ -142,7 +142,7 @@ def _determinants(result: object) -> list[sp.Expr]:
 
 
 @pytest.mark.parametrize("name", GALLERY)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_the_law_makes_the_chains_linear_at_regular_points(name: str, data: st.DataObject) -> None:
     left, right, regular, count, outputs = identities(name)

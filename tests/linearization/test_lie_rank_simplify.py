@@ -35,7 +35,7 @@ polynomials = st.lists(st.integers(-3, 3), min_size=5, max_size=5).map(
 fields = st.lists(polynomials, min_size=3, max_size=3)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(h=polynomials, f=fields, g=fields)
 def test_the_derivative_along_a_bracket_is_the_commutator(h: sp.Expr, f: list[sp.Expr], g: list[sp.Expr]) -> None:
     along = lie_derivative(h, lie_bracket(f, g, STATES), STATES)
@@ -115,7 +115,7 @@ trigonometric = st.lists(
 )
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(top=trigonometric, bottom=trigonometric)
 def test_tidying_keeps_the_value(top: list[tuple[int, ...]], bottom: list[tuple[int, ...]]) -> None:
     numerator, denominator = (

@@ -227,7 +227,7 @@ def closed_loop(index: int) -> tuple[Callable[..., float], Callable[..., list[fl
 
 
 @pytest.mark.parametrize("index", range(len(PLANTS)))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(data=st.data())
 def test_at_regular_points_the_law_makes_the_highest_derivatives_v(index: int, data: st.DataObject) -> None:
     determinant, derivatives, count, outputs = closed_loop(index)

@@ -22,7 +22,7 @@ def combined(parts: st.SearchStrategy[sp.Expr]) -> st.SearchStrategy[sp.Expr]:
     return st.builds(lambda f, a: f(a), one, parts) | st.builds(lambda f, a, b: f(a, b), two, parts, parts)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.recursive(LEAVES, combined, max_leaves=6), st.sampled_from([X, Y, Z]), st.booleans())
 def test_partial_derivatives_are_those_of_sympy(expression, symbol, on):
     found, expected = (

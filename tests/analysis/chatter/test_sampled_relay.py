@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -15,7 +15,6 @@ from brunovsky.errors import ParameterError
 C, Q, P = (500.0, 10.0, 1.0), 5.0, 2.5
 
 
-@settings(deadline=None)
 @given(st.floats(0.05, 1.95), st.floats(1e-3, 1e3), st.floats(1e-4, 1.0), st.floats(-50, 50))
 def test_band_of_the_explicit_scheme(rate, switching, step, start):
     """`rate` is h Q; the explicit scheme is run until it is steady, from anywhere."""

@@ -3,7 +3,7 @@
 import control
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -21,7 +21,6 @@ def test_place_gives_the_binomial_gain_for_a_triple_pole():
     np.testing.assert_allclose(K, [125, 75, 15], rtol=1e-14)
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(-20, -0.5), min_size=1, max_size=4), st.floats(-10, -0.5), st.floats(0.1, 20))
 def test_place_gives_the_coefficients_of_the_polynomial(real, sigma, omega):
     poles = [*real, complex(sigma, omega), complex(sigma, -omega)]
@@ -38,7 +37,6 @@ def test_sliding_gain_of_the_paper():
     np.testing.assert_allclose(analysis.place(expected), K, rtol=1e-12)
 
 
-@settings(deadline=None)
 @given(st.lists(coefficient, min_size=1, max_size=5), coefficient, st.sampled_from([-1.0, 1.0]))
 def test_sliding_gain_is_the_surface_polynomial_times_the_reaching_pole(surface, rate, sign):
     surface = sign * np.array(surface)
@@ -46,7 +44,6 @@ def test_sliding_gain_is_the_surface_polynomial_times_the_reaching_pole(surface,
     np.testing.assert_allclose(np.r_[1.0, analysis.sliding_gain(surface, rate)[::-1]], product, rtol=1e-12)
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(-1, 1), min_size=3, max_size=3))
 def test_sliding_gain_is_the_printed_law_without_its_switching_term(error):
     S = np.dot(C, error)
@@ -87,7 +84,6 @@ def test_surface_of_a_first_order_chain_has_no_poles():
     assert analysis.surface_poles([2.0]).shape == (0,)
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(-20, -1e-3) | st.floats(1e-3, 5), min_size=1, max_size=5), st.floats(0.5, 20))
 def test_surface_from_poles_vanishes_at_its_poles(poles, leading):
     surface = analysis.surface_from_poles(poles, leading=leading)

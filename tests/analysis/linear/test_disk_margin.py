@@ -66,7 +66,7 @@ def test_skew_one_is_the_modulus_margin():
     assert m.frequency == pytest.approx(classical.modulus_frequency, rel=1e-4)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.floats(-10.0, -0.3), st.floats(-10.0, -0.3), st.floats(0.1, 30.0), st.floats(-1.0, 1.0))
 def test_the_disk_lies_within_the_classical_margins(real, sigma, omega, skew):
     loop = analysis.loop_transfer(analysis.place([real, complex(sigma, omega), complex(sigma, -omega)]))

@@ -26,7 +26,7 @@ def test_textbook_answers() -> None:
     assert analysis.surface_from_cost([1.0, 0.0, 1.0], leading=2.0) == pytest.approx([2.0, 2 * np.sqrt(2.0), 2.0])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(WEIGHT, min_size=1, max_size=5), WEIGHT)
 def test_guaranteed_margins(weights: list[float], input_weight: float) -> None:
     """Distance of 1 from -1: any gain above 1/2, 60 degrees of phase."""
@@ -37,7 +37,7 @@ def test_guaranteed_margins(weights: list[float], input_weight: float) -> None:
     assert margins.modulus >= 1.0 - 1e-6
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.lists(WEIGHT, min_size=3, max_size=3), st.lists(st.floats(-0.3, 0.3), min_size=3, max_size=3))
 def test_no_gain_costs_less(weights: list[float], change: list[float]) -> None:
     A, b = np.eye(3, k=1), np.eye(3)[:, -1]
@@ -57,7 +57,7 @@ def test_integral_is_one_integrator_more() -> None:
     assert analysis.lqr_gain(3, weights, integral=True) == pytest.approx(analysis.lqr_gain(4, weights))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.lists(WEIGHT, min_size=3, max_size=3), st.lists(st.floats(-0.5, 0.5), min_size=2, max_size=2))
 def test_no_surface_costs_less(weights: list[float], change: list[float]) -> None:
     """On S = 0 the last error is -(c1 e1 + c2 e2)/c3: its cost along the surface, against that of other surfaces."""

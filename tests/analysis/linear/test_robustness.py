@@ -5,7 +5,7 @@ import dataclasses
 import control
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
@@ -130,7 +130,6 @@ def test_a_second_order_chain():
     assert m.lag == pytest.approx(3 / 4)  # Routh: tau < k2/k1
 
 
-@settings(deadline=None)
 @given(
     st.lists(st.floats(-30.0, -0.3), min_size=1, max_size=2),
     st.floats(-10.0, -0.3),

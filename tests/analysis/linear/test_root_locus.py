@@ -41,7 +41,7 @@ def test_every_point_over_q_is_a_closed_loop(surface, lag):
         assert distance(poles, expected) < 1e-6 * np.max(np.abs(expected))
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.sampled_from([1, 2]), st.floats(0.1, 2000.0), st.floats(0.1, 50.0), st.sampled_from([0.0, 0.02]))
 def test_every_point_over_a_surface_gain_is_a_closed_loop(element, value, rate, lag):
     surface = C.copy()

@@ -124,7 +124,7 @@ def test_unequal_gains_on_a_straight_line_depend_on_the_heading():
     )
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(
     st.floats(-10.0, -0.5),
     st.floats(-10.0, -0.5),

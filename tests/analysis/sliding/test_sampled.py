@@ -22,7 +22,7 @@ def test_numbers_of_the_paper():
 
 
 @given(st.floats(0.1, 1e4), st.floats(0.05, 5.0), st.floats(0.1, 10.0))
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 def test_the_exact_map_s_limit_of_three_integrators(c1, damping, leading):
     """The zeros of c1 h^2/6 (z^2 + 4 z + 1) + c2 h/2 (z^2 - 1) + c3 (z - 1)^2 leave by z = -1, at h^2 = 12 c3/c1."""
     surface = leading * np.array([c1, 2 * damping * np.sqrt(c1), 1.0])
@@ -30,7 +30,7 @@ def test_the_exact_map_s_limit_of_three_integrators(c1, damping, leading):
 
 
 @given(st.floats(0.1, 100.0), st.floats(0.1, 100.0))
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 def test_two_integrators(c1, rate):
     """Euler: e+ = e + h e2 + h^2/2 u, e2+ = e2 + h u with u = -c1 e2 - S/h leaves by z = -1 at c1 h = 2."""
     assert analysis.largest_sampling_period([c1, 1.0], surface_map="exact") == float("inf")

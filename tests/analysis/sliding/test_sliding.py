@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -88,7 +88,6 @@ def test_unmatched_residual_without_disturbance_and_at_a_resonance():
     assert analysis.forward_disturbance_bound((4.0, 0.0, 1.0), P, 0.0) == np.inf
 
 
-@settings(deadline=None)
 @given(st.floats(1e-3, 1e3), st.floats(0.01, 50), st.floats(0.01, 50))
 def test_reaching_time_brings_the_reaching_law_to_zero(start, rate, switching):
     t = analysis.reaching_time(-start, rate, switching)

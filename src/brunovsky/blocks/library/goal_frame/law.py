@@ -11,8 +11,8 @@ import sympy as sp
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import ROBOT_CHAINS
 from brunovsky.blocks.library.gains import numbers
+from brunovsky.blocks.library.heading import direction, turned
 from brunovsky.blocks.library.outer_loops import sliding_mode
-from brunovsky.blocks.library.relatives.posture import direction, turned
 from brunovsky.blocks.variables import Parameter, symbols
 from brunovsky.errors import ParameterError
 

@@ -10,8 +10,8 @@ import sympy as sp
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.library.goal_frame.law import goal_frame_law
+from brunovsky.blocks.library.heading import direction
 from brunovsky.blocks.library.references import set_point
-from brunovsky.blocks.library.relatives.posture import direction
 from brunovsky.blocks.library.robot import linearized_robot, robot
 from brunovsky.blocks.variables import Mode, Output, Parameter, Transition, described, symbols
 from brunovsky.errors import ModelError

@@ -5,15 +5,14 @@ from __future__ import annotations
 import sympy as sp
 
 from brunovsky.blocks.block import Block
+from brunovsky.blocks.library.heading import direction, turned
 from brunovsky.blocks.library.relatives.posture import (
     POSITION,
     REST,
     acceleration_outputs,
     derivative,
-    direction,
     posture_inputs,
     reference_posture,
-    turned,
 )
 from brunovsky.blocks.variables import Output, Parameter, symbols
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sympy as sp
 
 from brunovsky.blocks.block import Block
+from brunovsky.blocks.library.heading import direction, turned
 from brunovsky.blocks.library.outer_loops import saturation
 from brunovsky.blocks.library.relatives.posture import (
     POSITION,
@@ -12,10 +13,8 @@ from brunovsky.blocks.library.relatives.posture import (
     VELOCITY,
     acceleration_outputs,
     derivative,
-    direction,
     posture_inputs,
     reference_posture,
-    turned,
 )
 from brunovsky.blocks.variables import Check, Output, Parameter, symbols
 

@@ -11,8 +11,9 @@ import sympy as sp
 
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import ROBOT_CHAINS
+from brunovsky.blocks.library.heading import direction, turned
 from brunovsky.blocks.library.robot import robot, robot_system
-from brunovsky.blocks.variables import TIME, Input, Output, Parameter, symbol, symbols
+from brunovsky.blocks.variables import TIME, Input, Output, Parameter, symbols
 
 REFERENCE = tuple(one for one in ROBOT_CHAINS.inputs if one not in ROBOT_CHAINS.states)
 """Inputs ``Z1d[1..3]``, ``Z2d[1..3]``, ``zd3[1..2]``: the flat outputs to be tracked, with their derivatives."""
@@ -41,11 +42,6 @@ class PostureReference:
     yaw_acceleration: sp.Expr
 
 
-def turned(vector: sp.Matrix) -> sp.Matrix:
-    """Vector of the plane, turned by a right angle to the left."""
-    return sp.Matrix([-vector[1], vector[0]])
-
-
 @lru_cache
 def _rates() -> Mapping[sp.Symbol, sp.Expr]:
     """Derivatives of the robot's states, of the nominal model without disturbances, and of the reference's."""
@@ -60,11 +56,6 @@ def _rates() -> Mapping[sp.Symbol, sp.Expr]:
 def derivative(expression: sp.Expr) -> sp.Expr:
     """Derivative in time along the nominal robot and the reference; may contain ``u[1..2]`` and ``zd3[1..2]``."""
     return sp.Add(*(sp.diff(expression, one) * rate for one, rate in _rates().items()))
-
-
-def direction(angle: sp.Expr) -> sp.Matrix:
-    """Unit vector along which the robot drives at a heading, (-sin, cos)."""
-    return sp.Matrix([_rates()[one] for one in symbols("x", "y")]).diff(symbol("eta[1]")).subs(symbol("theta"), angle)
 
 
 def reference_posture() -> PostureReference:

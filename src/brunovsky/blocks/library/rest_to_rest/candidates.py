@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from brunovsky.blocks.library.rest_to_rest.path import Pose, forward, sideways, wrapped
+from brunovsky.blocks.library.heading import direction, turned
+from brunovsky.blocks.library.rest_to_rest.path import Pose, wrapped
 from brunovsky.blocks.library.rest_to_rest.timing import Limits, turning_time
 
 TANGENTS = (0.7, 1.5)
@@ -27,24 +28,29 @@ TURN_FACTOR = 2.0
 
 @dataclass(frozen=True)
 class Leg:
-    """A path between two poses; ``tangent`` (m) is its derivative at the ends, negative backward."""
+    """A path between two poses, forward (``sense`` 1) or backward (-1); ``tangent`` (m): its derivative at the ends."""
 
     start: Pose
     end: Pose
-    direction: int
+    sense: int
     tangent: sp.Expr
 
     @classmethod
-    def between(cls, start: Pose, end: Pose, direction: int, stretch: float) -> Leg:
+    def between(cls, start: Pose, end: Pose, sense: int, stretch: float) -> Leg:
         """Leg whose tangents are scaled with the distance of the poses."""
-        return cls(start, end, direction, direction * stretch * start.reach(end, sp.Float(TURN_LENGTH)))
+        return cls(start, end, sense, sense * stretch * start.reach(end, sp.Float(TURN_LENGTH)))
 
     @property
     def relative(self) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
         """End as the start sees it, along and to the left (m), turn (rad), and tangent (m)."""
         gap = self.end.position - self.start.position
         turn = self.end.heading - self.start.heading
-        return gap.dot(forward(self.start.heading)), gap.dot(sideways(self.start.heading)), turn, self.tangent
+        return (
+            gap.dot(direction(self.start.heading)),
+            gap.dot(turned(direction(self.start.heading))),
+            turn,
+            self.tangent,
+        )
 
 
 @dataclass(frozen=True)
@@ -81,21 +87,21 @@ def candidates(start: Pose, goal: Pose, limits: Limits) -> tuple[Candidate, ...]
     )
 
 
-def _reversal(start: Pose, goal: Pose, direction: int) -> Candidate:
+def _reversal(start: Pose, goal: Pose, sense: int) -> Candidate:
     """Beyond the middle of the two poses, with the heading halfway between theirs, and back to the goal."""
     heading = start.heading + wrapped(goal.heading - start.heading) / 2
     middle = (start.position + goal.position) / 2
-    x, y = middle + direction * CUSP * start.reach(goal, sp.Float(TURN_LENGTH)) * forward(heading)
+    x, y = middle + sense * CUSP * start.reach(goal, sp.Float(TURN_LENGTH)) * direction(heading)
     cusp = Pose(x, y, heading)
-    after = Leg.between(cusp, goal, -direction, 1.0)
-    return Candidate(Leg.between(start, cusp, direction, 1.0), after=after, factor=REVERSAL_FACTOR)
+    after = Leg.between(cusp, goal, -sense, 1.0)
+    return Candidate(Leg.between(start, cusp, sense, 1.0), after=after, factor=REVERSAL_FACTOR)
 
 
-def _turn_and_drive(start: Pose, goal: Pose, direction: int, limits: Limits) -> Candidate:
+def _turn_and_drive(start: Pose, goal: Pose, sense: int, limits: Limits) -> Candidate:
     """A turn in place towards the goal, or away from it, a straight drive, and a turn in place to its heading."""
-    gap = direction * (goal.position - start.position)
+    gap = sense * (goal.position - start.position)
     bearing = sp.atan2(-gap[0], gap[1])
     turn, last = wrapped(bearing - start.heading), wrapped(goal.heading - bearing)
     time = sum(turning_time(sp.sqrt(one**2), limits.yaw_acceleration) for one in (turn, last))
-    drive = Leg.between(Pose(start.x, start.y, bearing), Pose(goal.x, goal.y, bearing), direction, 1.0)
+    drive = Leg.between(Pose(start.x, start.y, bearing), Pose(goal.x, goal.y, bearing), sense, 1.0)
     return Candidate(drive, turn=turn, extra=time, factor=TURN_FACTOR)

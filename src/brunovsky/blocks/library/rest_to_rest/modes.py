@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
+from brunovsky.blocks.library.heading import direction, turned
 from brunovsky.blocks.library.rest_to_rest.motion import BRAKED, COMMAND, DRIVE, SPEEDS, Following, braking_time
-from brunovsky.blocks.library.rest_to_rest.path import Pose, forward, sideways, wrapped
+from brunovsky.blocks.library.rest_to_rest.path import Pose, wrapped
 from brunovsky.blocks.library.rest_to_rest.plan import BRAKING, MOVING, PATH, PLANNED_GOAL, REST, turn_in_place
 from brunovsky.blocks.library.rest_to_rest.search import begin_search
 from brunovsky.blocks.library.rest_to_rest.timing import Limits
@@ -37,8 +38,8 @@ def watched(here: Pose, goal: Pose, path: Following) -> dict[str, Relation]:
     speed2 = SPEEDS[0] ** 2 + SPEEDS[1] ** 2
     aligned = sp.cos(ALIGNED)
     conditions = {
-        "beside": gap.dot(sideways(goal.heading)) ** 2 - TOLERANCE.symbol**2,
-        "beyond": gap.dot(forward(goal.heading)) ** 2 - NEAR_ALONG**2,
+        "beside": gap.dot(turned(direction(goal.heading))) ** 2 - TOLERANCE.symbol**2,
+        "beyond": gap.dot(direction(goal.heading)) ** 2 - NEAR_ALONG**2,
         "askew": aligned - sp.cos(here.heading - goal.heading),
         "still": STILL**2 - speed2,
         "disturbed": speed2 - DISTURBED**2,

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import sympy as sp
 
 from brunovsky.blocks.guard import Guard
-from brunovsky.blocks.library.rest_to_rest.path import PARAMETER, Pose, forward, wrapped
+from brunovsky.blocks.library.heading import direction
+from brunovsky.blocks.library.rest_to_rest.path import PARAMETER, Pose, wrapped
 from brunovsky.blocks.library.rest_to_rest.plan import FROM, TO
 from brunovsky.blocks.library.rest_to_rest.reference import Drive, Reference
-from brunovsky.blocks.library.rest_to_rest.timing import Limits, rise, turned
+from brunovsky.blocks.library.rest_to_rest.timing import Limits, rise, swept
 from brunovsky.blocks.library.robot import robot_linearization
 from brunovsky.blocks.variables import TIME, Parameter, Relation, symbol, symbols
 
@@ -51,7 +52,7 @@ def following(theta: sp.Expr) -> Following:
     (jerk,) = set(chains.law) - {symbol("u[2]")}
     new = dict(zip(chains.outer_inputs, symbols("v[1]", "v[2]"), strict=True)) | {symbol("u[1]"): COMMAND}
     eta1, eta2 = SPEEDS
-    facing, heading = one.direction, forward(theta)
+    facing, heading = one.direction, direction(theta)
     cosine, sine = facing.dot(heading), facing[0] * heading[1] - facing[1] * heading[0]
     own = one.yaw_acceleration + 2 * RATE.symbol * (one.yaw_rate - eta2) - RATE.symbol**2 * sp.atan2(sine, cosine)
     inverse = guard().reciprocal
@@ -67,9 +68,9 @@ def guard() -> Guard:
 def turning(here: Pose) -> Pair:
     """A turn in place from where the leg began, with minimum jerk."""
     rate = RATE.symbol
-    swing = FROM.heading + symbol("turn") * turned((TIME - DRIVE.begin) / DRIVE.duration)
+    swing = FROM.heading + symbol("turn") * swept((TIME - DRIVE.begin) / DRIVE.duration)
     return (
-        -2 * rate * SPEEDS[0] - rate**2 * forward(here.heading).dot(here.position - FROM.position),
+        -2 * rate * SPEEDS[0] - rate**2 * direction(here.heading).dot(here.position - FROM.position),
         swing.diff(TIME, 2) + 2 * rate * (swing.diff(TIME) - SPEEDS[1]) + rate**2 * wrapped(swing - here.heading),
     )
 
@@ -77,7 +78,7 @@ def turning(here: Pose) -> Pair:
 def resting(here: Pose, goal: Pose, away: sp.Basic, askew: sp.Basic) -> Pair:
     """Rest, drawn to the goal along the heading unless ``away`` from it, and to its heading unless ``askew``."""
     rate = RATE.symbol
-    ahead = forward(here.heading).dot(goal.position - here.position)
+    ahead = direction(here.heading).dot(goal.position - here.position)
     aside = wrapped(goal.heading - here.heading)
     return (
         -2 * rate * SPEEDS[0] + rate**2 * sp.Piecewise((0, away), (ahead, True)),

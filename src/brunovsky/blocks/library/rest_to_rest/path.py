@@ -6,18 +6,11 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from brunovsky.blocks.library.heading import direction
+from brunovsky.blocks.library.references.pieces import quintic
+
 PARAMETER = sp.Symbol("s", real=True)
 """Path parameter, 0 at the start and 1 at the end."""
-
-
-def forward(heading: sp.Expr) -> sp.Matrix:
-    """Direction in which a robot of this heading moves, shape (2, 1)."""
-    return sp.Matrix([-sp.sin(heading), sp.cos(heading)])
-
-
-def sideways(heading: sp.Expr) -> sp.Matrix:
-    """Derivative of :func:`forward` by the heading: the direction to the robot's left, shape (2, 1)."""
-    return sp.Matrix([-sp.cos(heading), -sp.sin(heading)])
 
 
 def wrapped(angle: sp.Expr) -> sp.Expr:
@@ -42,8 +35,10 @@ def hermite(displacement: sp.Matrix, first: sp.Matrix, last: sp.Matrix, s: sp.Ex
     Matrix, shape (2, 1)
         Position, m. Six conditions, six coefficients: the curve is the only one of its degree.
     """
-    along = 10 * s**3 - 15 * s**4 + 6 * s**5
-    return along * displacement + (s - 6 * s**3 + 8 * s**4 - 3 * s**5) * first + (7 * s**4 - 4 * s**3 - 3 * s**5) * last
+    nothing = sp.zeros(2, 1)
+    boundary = sp.Matrix.hstack(nothing, first, nothing, displacement, last, nothing)
+    powers = sp.Matrix([[s**k for k in range(6)]])
+    return (powers * quintic((0, 1, 2)) * boundary.T).T
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,7 @@ class Pose:
     def path_to(self, other: Pose, tangent: sp.Expr) -> sp.Matrix:
         """Position along the path to another pose; ``tangent`` (m), negative backward, is its slope at the ends."""
         curve = hermite(
-            other.position - self.position, tangent * forward(self.heading), tangent * forward(other.heading)
+            other.position - self.position, tangent * direction(self.heading), tangent * direction(other.heading)
         )
         return self.position + curve
 

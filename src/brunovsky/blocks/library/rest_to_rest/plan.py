@@ -68,11 +68,11 @@ def drive_path(here: Pose, goal: Pose, one: Candidate) -> dict[sp.Symbol, sp.Exp
     return {
         **dict(zip(symbols("mode", "leg", "search"), map(sp.Integer, (MOVING, PATH, 0)), strict=True)),
         symbol("tangent"): one.leg.tangent,
-        symbol("direction"): sp.Integer(one.leg.direction),
+        symbol("direction"): sp.Integer(one.leg.sense),
         symbol("begin"): TIME,
         symbol("duration"): duration(length, speed, acceleration),
         symbol("cruise"): speed,
         symbol("acceleration_limit"): acceleration,
         symbol("path_parameter"): sp.S.Zero,
-        symbol("u_command"): one.leg.direction * acceleration,
+        symbol("u_command"): one.leg.sense * acceleration,
     } | assigned(FROM, here) | assigned(TO, one.leg.end) | assigned(PLANNED_GOAL, goal)  # fmt: skip

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.library.outer_loops import sliding_mode
-from brunovsky.blocks.library.rest_to_rest.supervisor import GOAL, supervisor
+from brunovsky.blocks.library.rest_to_rest.supervisor import COMMANDS, GOAL, ROBOT, supervisor
 from brunovsky.blocks.library.robot import robot
-from brunovsky.blocks.variables import Output, Parameter
+from brunovsky.blocks.variables import Output, Parameter, described
 
 SURFACE = (16.0, 8.0, 1.0)
 """C: both poles on the surface at -4 1/s."""
-_POSE = ("x", "y", "theta", "eta[1]", "eta[2]")
-_COMMANDS = ("u[1]", "u[2]")
+_GOAL, _STATE, _COMMANDS = (tuple(one.name for one in group) for group in (GOAL, ROBOT, COMMANDS))
 
 
 def regulator(law: Block | None = None) -> Diagram:
@@ -65,7 +62,7 @@ def regulator(law: Block | None = None) -> Diagram:
         "regulator of the bare robot from rest to rest, with heading: planner, supervisor, outer and inner loop",
         components={"supervisor": head, "law": outer},
         connections=connections,
-        inputs={one: f"supervisor.{one}" for one in (*(goal.name for goal in GOAL), *_POSE)},
+        inputs={one: f"supervisor.{one}" for one in (*_GOAL, *_STATE)},
         outputs={one: f"supervisor.{one}" for one in (*_COMMANDS, "mode")},
         parameters={one.name: f"{key}.{one.name}" for key, part in (("supervisor", head), ("law", outer))
                     for one in part.parameters},
@@ -88,8 +85,8 @@ def rest_to_rest(regulator_block: Block | None = None) -> Diagram:
         ``goal_heading``, those of the regulator, and ``rho[1..2]``.
     """
     controller, plant, target = regulator_block or regulator(), robot(), _goal()
-    connections = {f"regulator.{one.name}": f"goal.target.{one.name}" for one in GOAL}
-    connections |= {f"regulator.{one}": f"robot.{one}" for one in _POSE}
+    connections = {f"regulator.{one}": f"goal.target.{one}" for one in _GOAL}
+    connections |= {f"regulator.{one}": f"robot.{one}" for one in _STATE}
     connections |= {f"robot.{one}": f"regulator.{one}" for one in _COMMANDS}
     parameters = {one.name: f"robot.{one.name}" for one in plant.parameters}
     parameters |= {one.name: f"goal.{one.name}" for one in target.parameters}
@@ -100,7 +97,7 @@ def rest_to_rest(regulator_block: Block | None = None) -> Diagram:
         components={"goal": target, "regulator": controller, "robot": plant},
         connections=connections,
         inputs={f"d[{i}]": f"robot.d[{i}]" for i in (1, 2)},
-        outputs={one: f"robot.{one}" for one in _POSE} | {one: f"regulator.{one}" for one in (*_COMMANDS, "mode")},
+        outputs={one: f"robot.{one}" for one in _STATE} | {one: f"regulator.{one}" for one in (*_COMMANDS, "mode")},
         parameters=parameters,
         values={"eta_start[1]": 0.0},
     )
@@ -108,10 +105,8 @@ def rest_to_rest(regulator_block: Block | None = None) -> Diagram:
 
 def _goal() -> Block:
     """The goal as tunable parameters."""
-    values: Sequence[float] = (2.0, 1.0, 0.0)
     parameters = tuple(
-        Parameter(one.name, one.unit, one.description, value, tunable=True)
-        for one, value in zip(GOAL, values, strict=True)
+        Parameter(**described(one), value=value, tunable=True) for one, value in zip(GOAL, (2.0, 1.0, 0.0), strict=True)
     )
     outputs = tuple(Output(f"target.{one.name}", one.unit, one.description, one.symbol) for one in parameters)
     return Block("goal", "goal that may change", parameters=parameters, outputs=outputs)

@@ -18,21 +18,29 @@ from brunovsky.blocks.library.rest_to_rest.plan import BRAKING, MOVING, PATH, PL
 from brunovsky.blocks.library.rest_to_rest.reference import Reference
 from brunovsky.blocks.library.rest_to_rest.search import CHEAPER, SEARCH, search_transitions
 from brunovsky.blocks.library.rest_to_rest.timing import Limits
-from brunovsky.blocks.library.robot import robot_linearization
-from brunovsky.blocks.variables import Check, Input, Mode, Output, Parameter, State, Transition, symbol, symbols
+from brunovsky.blocks.library.robot import robot, robot_linearization
+from brunovsky.blocks.variables import (
+    Check,
+    Input,
+    Mode,
+    Output,
+    Parameter,
+    State,
+    Transition,
+    described,
+    symbol,
+    symbols,
+)
 
 GOAL = (
     Input("goal[1]", "m", "goal, x"),
     Input("goal[2]", "m", "goal, y"),
     Input("goal_heading", "rad", "heading at the goal"),
 )
-ROBOT = (
-    Input("x", "m", "position of the robot along x"),
-    Input("y", "m", "position of the robot along y"),
-    Input("theta", "rad", "heading of the robot"),
-    Input("eta[1]", "m/s", "forward velocity of the robot"),
-    Input("eta[2]", "rad/s", "yaw rate of the robot"),
-)
+ROBOT = tuple(Input(**described(one)) for one in robot().outputs)
+"""Posture and velocities of the robot."""
+COMMANDS = robot().inputs[:2]
+"""Its accelerations."""
 _LIMITS = (
     Parameter("speed_limit", "m/s", "largest forward speed", 1.5, 0.0, tunable=True),
     Parameter("u_limit[1]", "m/s2", "largest forward acceleration", 2.0, 0.0, tunable=True),
@@ -91,8 +99,8 @@ def supervisor() -> Block:
         samples=(*PLAN, *SEARCH),
         modes=_MODES,
         outputs=(
-            Output("u[1]", "m/s2", "forward acceleration", wanted[0] - disturbance[0]),
-            Output("u[2]", "rad/s2", "yaw acceleration", wanted[1] - disturbance[1]),
+            *(Output(**described(one), expression=asked - disturbed)
+              for one, asked, disturbed in zip(COMMANDS, wanted, disturbance, strict=True)),
             Output("mode", "1", "0 at rest, 1 moving, 2 braking", mode),
             *_chain_outputs(path.reference),
         ),

@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from brunovsky.blocks.library.references.pieces import quintic
 from brunovsky.blocks.library.rest_to_rest.path import PARAMETER, hermite
 
 Array = NDArray[np.float64]
@@ -72,9 +73,13 @@ def rise(fraction: sp.Expr) -> sp.Expr:
     return sp.Rational(3, 2) * fraction - sp.Rational(1, 2) * fraction**3
 
 
-def turned(fraction: sp.Expr) -> sp.Expr:
-    """Part of a turn in place after a fraction of its time: minimum jerk, accelerations at the ends free."""
-    return sp.Rational(5, 2) * fraction**2 - sp.Rational(5, 2) * fraction**4 + fraction**5
+def swept(fraction: sp.Expr) -> sp.Expr:
+    """Part of a turn in place after a fraction of its time: minimum jerk, accelerations at the ends free.
+
+    From rest to rest without jerk at the ends, which is what free accelerations ask for: 5/2 s^2 - 5/2 s^4 + s^5.
+    """
+    coefficients = quintic((0, 1, 3)) * sp.Matrix([0, 0, 0, 1, 0, 0])
+    return sum((c * fraction**k for k, c in enumerate(coefficients)), sp.S.Zero)
 
 
 def turning_time(angle: sp.Expr, acceleration: sp.Expr) -> sp.Expr:
