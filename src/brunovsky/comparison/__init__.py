@@ -18,7 +18,6 @@ from brunovsky.comparison.analyze import (
 from brunovsky.comparison.analyze_tables import analysis_tables
 from brunovsky.comparison.analyzed_loops import AnalyzedLaw, AnalyzedLoop
 from brunovsky.comparison.analyzed_runs import ActuatorMargins, AnalyzedRun, NearestApproach
-from brunovsky.comparison.chatter_grid import ChatterGrid, ChatterTable
 from brunovsky.comparison.chatter_summary import chatter_markdown
 from brunovsky.comparison.engines import Status
 from brunovsky.comparison.metrics import Metrics, compute_metrics
@@ -26,6 +25,7 @@ from brunovsky.comparison.readme import readme_figure
 from brunovsky.comparison.report import ReportFiles, compare_study, write_report
 from brunovsky.comparison.run import Comparison, Run, run_study
 from brunovsky.comparison.study import Law, Scenario, Study, load_study
+from brunovsky.comparison.study.chatter_grid import ChatterGrid, ChatterTable
 from brunovsky.comparison.summary import summary_markdown
 
 __all__ = [

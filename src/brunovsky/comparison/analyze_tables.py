@@ -14,8 +14,8 @@ from brunovsky.comparison.analyze import Analysis
 from brunovsky.comparison.analyze_figures import named_loops
 from brunovsky.comparison.analyzed_loops import AnalyzedLoop
 from brunovsky.comparison.analyzed_runs import ActuatorMargins, AnalyzedRun
-from brunovsky.comparison.chatter_grid import ChatterGrid
 from brunovsky.comparison.facts import given, number
+from brunovsky.comparison.study.chatter_grid import ChatterGrid
 from brunovsky.comparison.tables import MARGIN_ROWS, poles_text
 
 _STEP_ROWS = (("RiseTime", "rise time, s"), ("Overshoot", "overshoot, %"), ("SettlingTime", "settling time (2 %), s"))

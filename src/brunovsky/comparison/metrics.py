@@ -107,7 +107,9 @@ def instants(trajectory: xr.Dataset) -> Array:
 
 def position_error(trajectory: xr.Dataset) -> Array:
     """Distance between the robot and its reference at each instant, m."""
-    return np.hypot(values(trajectory, "e1[1]"), values(trajectory, "e2[1]"))
+    names = ("position_error[1]", "position_error[2]")  # where the loop's errors are those that it measures
+    first, second = names if names[0] in trajectory else ("e1[1]", "e2[1]")
+    return np.hypot(values(trajectory, first), values(trajectory, second))
 
 
 def integral(time: Array, signal: Array) -> float:

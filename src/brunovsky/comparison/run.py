@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import platform
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -16,11 +16,10 @@ import xarray as xr
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.agreement import Agreement, cross_check
-from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, Status, check_outcome, opened_fmu
+from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, Status, check_outcome, opened_fmus
 from brunovsky.comparison.facts import Facts, compute_facts
-from brunovsky.comparison.keys import study_block
 from brunovsky.comparison.metrics import Metrics, compute_metrics
-from brunovsky.comparison.study import EngineName, Law, PlannedRun, Scenario, Study
+from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
 
 Progress = Callable[[int, int, str], None]
 _PACKAGES = ("brunovsky", "numpy", "sympy", "control", "xarray", "matplotlib")
@@ -139,9 +138,9 @@ def run_study(
     """
     report = progress or (lambda done, total, what: None)
     plan = study.plan()
-    native = NativeSimulation(study_block())
+    native = NativeSimulation()
     chosen = engine or study.engine
-    with _engine(chosen, native, folder, fmu, lambda: report(0, len(plan), "building the FMU")) as simulator:
+    with _engine(chosen, native, plan, folder, fmu, lambda what: report(0, len(plan), what)) as simulator:
         runs = []
         for index, planned in enumerate(plan):
             report(index, len(plan), planned.name)
@@ -174,25 +173,37 @@ def _measured(outcome: Outcome) -> tuple[Metrics, Facts | None]:
 def _engine(
     name: EngineName,
     native: NativeSimulation,
+    plan: Sequence[PlannedRun],
     folder: str | Path | None,
     fmu: str | Path | None,
-    building: Callable[[], None],
+    building: Callable[[str], None],
 ) -> Iterator[Engine]:
     if name == "native":
         yield native
         return
+    loops = dict.fromkeys(one.loop for one in plan)
     with contextlib.ExitStack() as stack:
         if fmu is None:
-            from brunovsky.fmi import export_fmu
-
-            building()
             target = Path(folder) if folder is not None else Path(stack.enter_context(tempfile.TemporaryDirectory()))
-            path = target / "fmus" / f"{native.block.name}.fmu"
-            path.parent.mkdir(parents=True, exist_ok=True)
-            export_fmu(native.block, path, fmi_version=2, platforms=("host",))
+            paths = _built(loops, target / "fmus", building)
         else:
-            path = Path(fmu)
-        yield stack.enter_context(opened_fmu(path))
+            paths = dict.fromkeys(loops, Path(fmu))
+        yield stack.enter_context(opened_fmus(paths))
+
+
+def _built(loops: Iterable[Loop], folder: Path, building: Callable[[str], None]) -> dict[Loop, Path]:
+    """FMUs of loops; a name that several have is numbered."""
+    from brunovsky.fmi import export_fmu
+
+    folder.mkdir(parents=True, exist_ok=True)
+    paths: dict[Loop, Path] = {}
+    for loop in loops:
+        stem = loop.block.name if loop.controller == "sliding_mode" else f"{loop.block.name}_{loop.controller}"
+        same = sum(path.stem.startswith(stem) for path in paths.values())
+        paths[loop] = folder / f"{stem}{f'_{same + 1}' if same else ''}.fmu"
+        building(f"building {paths[loop].stem}")
+        export_fmu(loop.block, paths[loop], fmi_version=2, platforms=("host",))
+    return paths
 
 
 def study_provenance(study: Study, **more: Any) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from brunovsky.blocks import Block, Input, Parameter, Variable
-from brunovsky.blocks.library.closed_loop import closed_loop
+from brunovsky.comparison.study.loops import KINDS, Loop, loop_of
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ def keys_of(variables: Iterable[Variable]) -> dict[str, Key]:
 
 @lru_cache
 def study_block() -> Block:
-    """The block every study runs: reference, sliding-mode outer loop and linearised robot, built once."""
-    return closed_loop()
+    """The block that most studies run: reference, sliding-mode outer loop and linearised robot."""
+    return loop_of("saturation").block
 
 
 @lru_cache
@@ -64,8 +64,32 @@ def parameter_keys() -> Mapping[str, Key]:
 
 @lru_cache
 def input_keys() -> Mapping[str, Key]:
-    """Keys of the inputs of :func:`study_block`, its disturbances."""
+    """Keys of the inputs of :func:`study_block`, its disturbances, and of those at v."""
     return keys_of(study_block().inputs)
+
+
+@lru_cache
+def loop_keys(loop: Loop) -> Mapping[str, Key]:
+    """Keys of the parameters of a loop."""
+    return keys_of(loop.block.parameters)
+
+
+@lru_cache
+def all_parameter_keys() -> Mapping[str, Key]:
+    """Keys of the parameters of all loops, whatever the law; those of :func:`study_block` come first."""
+    found = dict(parameter_keys())
+    for kind in KINDS:
+        found |= {text: key for text, key in keys_of(loop_of(kind).block.parameters).items() if text not in found}
+    return found
+
+
+def known_parameter(text: str) -> Key:
+    """Key of a parameter of any loop, or ValueError with what to write instead."""
+    if text in parameter_keys():
+        return parameter_keys()[text]
+    if text in all_parameter_keys():
+        return all_parameter_keys()[text]
+    raise ValueError(f"unknown parameter or unit; {remedy(text, all_parameter_keys().values())}")
 
 
 def remedy(wrong: str, known: Iterable[Key] | Iterable[str]) -> str:

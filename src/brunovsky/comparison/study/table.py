@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pydantic import BaseModel, ConfigDict
 
 from brunovsky._frozen import FrozenMapping
-from brunovsky.comparison.keys import Key, bounds, input_keys, parameter_keys, remedy
+from brunovsky.comparison.study.keys import Key, bounds, input_keys, known_parameter, remedy
 
 
 class StudyTable(BaseModel):
@@ -25,7 +25,7 @@ def known_key(text: str, keys: Mapping[str, Key], what: str) -> str:
 
 def check_range(text: str, value: float) -> None:
     """Refuse a number outside the range of what its key sets."""
-    lowest, highest = bounds({**parameter_keys(), **input_keys()}[text])
+    lowest, highest = bounds(input_keys()[text] if text in input_keys() else known_parameter(text))
     if not lowest <= value <= highest:
         allowed = f"{lowest:g} or more" if highest == float("inf") else f"{lowest:g} to {highest:g}"
         raise ValueError(f"{text} = {value:g} is out of range; give {allowed}")
