@@ -111,7 +111,7 @@ def test_any_plant_may_have_them():
         (lambda: B.actuator_lags(()), ModelError, "at least one"),
         (lambda: br.simulate(B.robot_with_lags(), 0.1, parameters={"lag[1]": 0.0}), ParameterError, "lag 0"),
         (
-            lambda: br.linearized_block(B.robot_linearization(), measured=True, actuators=B.actuator_lags(U)),
+            lambda: br.linearized_block(B.robot_linearization(), actuators=B.actuator_lags(U)),
             ModelError,
             "u_command",
         ),

@@ -224,10 +224,13 @@ def _common_range(sharing: Sequence[Variable]) -> dict[str, Any]:
 
 
 def _ranked(diagram: str, parts: Parts, origins: Mapping[sp.Symbol, int]) -> list[Sample]:
-    """Samples with the ranks of a diagram: another component's fresh value is seen, its own is from before."""
+    """Samples with the ranks of a diagram: another component's fresh value is seen, its own is from before.
+
+    A rank that was declared is the least that a sample has.
+    """
     samples: list[Sample] = parts["samples"]
     reads = {one.symbol: root_symbols(one.update, parts["relations"]) for one in samples}
-    ranks = {one.symbol: 0 for one in samples}
+    ranks = {one.symbol: one.rank for one in samples}
     for _ in range(len(samples) + 1):
         before = dict(ranks)
         for reader in samples:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -12,6 +11,7 @@ from brunovsky._suggest import unknown_name
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.guard import find_guards, guarded
+from brunovsky.blocks.hardware import wired
 from brunovsky.blocks.units import derivative_unit
 from brunovsky.blocks.variables import NAME, TIME, Input, Output, Parameter, State, Variable, described, symbol
 from brunovsky.errors import ModelError
@@ -176,6 +176,8 @@ def linearized_block(
     starts: Values | None = None,
     guards: Mapping[sp.Expr, Parameter | float] | None = None,
     measured: bool = False,
+    sensors: Block | None = None,
+    inputs: Block | None = None,
     actuators: Block | None = None,
 ) -> Diagram:
     """Plant and inner loop: between ``v`` and the outputs it is a set of integrator chains.
@@ -195,6 +197,12 @@ def linearized_block(
         Whether ``Zi[k]`` are the derivatives of the true plant's outputs, as sensors show them, instead of those that
         the nominal model computes from its state. Everything is matched then, for disturbances that are differentiable:
         a step of one that enters a measured element makes it jump. The law itself keeps to the nominal model.
+    sensors : Block, optional
+        What stands between the plant and the law, such as :func:`sensors`: an input ``x`` and an output ``x_measured``
+        for each state ``x`` of the plant. The law and ``Zi[k]`` know only what is measured.
+    inputs : Block, optional
+        What stands between the outer loop and the law, such as :func:`outer_inputs`: inputs ``v[i]``, outputs
+        ``v_acting[i]``.
     actuators : Block, optional
         What stands between the law and the plant, such as :func:`actuator_lags`: inputs ``u_command`` and outputs ``u``
         for each input ``u`` of the plant. The law doesn't know it; ``Zi[k]`` keep to what it commands.
@@ -202,14 +210,15 @@ def linearized_block(
     Returns
     -------
     Diagram
-        Inputs ``v[i]`` and the disturbances; outputs the plant's states, its inputs, ``Zi[k]`` and ``singular``, and
-        with actuators ``u_command``.
+        Inputs ``v[i]``, the disturbances and what else the parts take from outside; outputs the plant's states, its
+        inputs, ``Zi[k]`` and ``singular``; with actuators ``u_command``, with sensors ``x_measured``, with `inputs`
+        ``v_acting[i]``.
 
     Raises
     ------
     ModelError
-        If a parameter has no declaration, the true plant has other states or inputs, the actuators are not those of
-        the plant, or chains are to be measured behind actuators.
+        If a parameter has no declaration, the true plant has other states or inputs, sensors, inputs or actuators do
+        not fit, or chains are to be measured on the true plant behind them.
     LinearizationError
         If what is to be measured contains the rate of a disturbance, or an input.
 
@@ -217,6 +226,11 @@ def linearized_block(
     ----------
     A. Isidori, *Nonlinear Control Systems*, 3rd ed., 1995, section 5.4, doi:10.1007/978-1-84628-615-5.
     """
+    if measured and (sensors is not None or actuators is not None):
+        raise ModelError(
+            f"{name}: chains measured on the true plant would contain what the law neither commands nor sees behind "
+            "actuators or sensors; give either measured=True or actuators and sensors"
+        )
     plant = plant or linearization.system
     own = {one: float(value) for one, value in (starts or {}).items() if str(one) in {*map(str, plant.states)}}
     declared = _declared((*plant.parameters, *linearization.system.parameters), parameters)
@@ -234,55 +248,7 @@ def linearized_block(
         guards=guards,
         measured=plant if measured else None,
     )
-    states = [one.name for one in body.states]
-    commands = [one for one in body.inputs if any(one.name == other.name for other in loop.outputs)]
-    parts: dict[str, Block] = {"plant": body, "inner_loop": loop}
-    wires = {f"inner_loop.{one}": f"plant.{one}" for one in states}
-    outputs = {one: f"plant.{one}" for one in states} | {one.name: f"inner_loop.{one.name}" for one in loop.outputs}
-    if actuators is None:
-        wires |= {f"plant.{one.name}": f"inner_loop.{one.name}" for one in commands}
-    else:
-        _check_actuators(actuators, commands, name, measured=measured)
-        parts["actuators"] = actuators
-        wires |= {f"actuators.{command(one).name}": f"inner_loop.{one.name}" for one in commands}
-        wires |= {f"plant.{one.name}": f"actuators.{one.name}" for one in commands}
-        outputs |= {one.name: f"actuators.{one.name}" for one in commands}
-        outputs |= {command(one).name: f"inner_loop.{one.name}" for one in commands}
-    exported: dict[str, list[str]] = {}
-    declarations = [one for block in parts.values() for one in block.parameters]
-    for one in sorted(declarations, key=lambda one: not _is_start(one, parts.values())):
-        having = (key for key, block in parts.items() if any(one.name == other.name for other in block.parameters))
-        exported[one.name] = [f"{key}.{one.name}" for key in having]
-    inputs: dict[str, list[str]] = {}
-    for key in ("inner_loop", "plant", *(("actuators",) if actuators else ())):
-        for free in (one.name for one in parts[key].inputs if f"{key}.{one.name}" not in wires):
-            inputs.setdefault(free, []).append(f"{key}.{free}")
-    return Diagram(
-        name,
-        description,
-        components=parts,
-        connections=wires,
-        inputs=inputs,
-        outputs=outputs,
-        parameters=exported,
-    )
-
-
-def _check_actuators(actuators: Block, commands: Sequence[Input], name: str, *, measured: bool) -> None:
-    if not isinstance(actuators, Block):
-        raise ModelError(f"{name}: actuators = {actuators!r} is no block; give actuator_lags(...) or one of your own")
-    for kind, needed in (("inputs", [command(one).name for one in commands]), ("outputs", [c.name for c in commands])):
-        there = [one.name for one in getattr(actuators, kind)]
-        if missing := [one for one in needed if one not in there]:
-            raise ModelError(
-                f"{name}: the actuators {actuators.name} have no {kind[:-1]} {', '.join(missing)}; a command is "
-                "an input u_command, what acts an output u, for each input u of the plant"
-            )
-    if measured:
-        raise ModelError(
-            f"{name}: chains measured behind actuators would contain what the compensator only commands; give either "
-            "measured=True or actuators"
-        )
+    return wired(name, description, body, loop, sensors=sensors, inputs=inputs, actuators=actuators)
 
 
 def _chain_outputs(
@@ -347,15 +313,3 @@ def start_parameter(one: Variable, value: float = 0.0) -> Parameter:
     return Parameter(
         f"{stem}_start{bracket}{indices}", one.unit, f"start value of {one.name}", value, nominal=one.nominal
     )
-
-
-def command(one: Variable) -> Variable:
-    """What is commanded of an actuator, where that is not what acts: ``u_command[1]`` for ``u[1]``."""
-    stem, bracket, indices = one.name.partition("[")
-    return dataclasses.replace(
-        one, name=f"{stem}_command{bracket}{indices}", description=f"{one.description}, as commanded"
-    )
-
-
-def _is_start(parameter: Parameter, blocks: Iterable[Block]) -> bool:
-    return any(parameter.symbol in state.start.free_symbols for block in blocks for state in block.states)

@@ -1,10 +1,17 @@
 """The blocks that ship: the robot, outer loops and references for chains, and the closed loop of them."""
 
-from brunovsky.blocks.library.actuators import actuator_lags
+from brunovsky.blocks.library.actuators import (
+    actuator_delays,
+    actuator_holds,
+    actuator_lags,
+    actuator_limits,
+    actuator_series,
+)
 from brunovsky.blocks.library.chains import Chains
 from brunovsky.blocks.library.closed_loop import closed_loop
 from brunovsky.blocks.library.errors import errors
 from brunovsky.blocks.library.goal_frame import goal_frame_law, goal_frame_manoeuvre
+from brunovsky.blocks.library.outer_inputs import outer_inputs
 from brunovsky.blocks.library.outer_loops import (
     disturbance_observer,
     integral_sliding_mode,
@@ -35,11 +42,23 @@ from brunovsky.blocks.library.relatives import (
     sliding_sector,
 )
 from brunovsky.blocks.library.rest_to_rest import regulator, rest_to_rest
-from brunovsky.blocks.library.robot import linearized_robot, robot, robot_linearization, robot_system, robot_with_lags
+from brunovsky.blocks.library.robot import (
+    linearized_robot,
+    robot,
+    robot_linearization,
+    robot_system,
+    robot_with_hardware,
+    robot_with_lags,
+)
+from brunovsky.blocks.library.sensors import sensors
 
 __all__ = [
     "Chains",
+    "actuator_delays",
+    "actuator_holds",
     "actuator_lags",
+    "actuator_limits",
+    "actuator_series",
     "backstepping",
     "circle",
     "closed_loop",
@@ -52,6 +71,7 @@ __all__ = [
     "lemniscate",
     "line",
     "linearized_robot",
+    "outer_inputs",
     "polar_sliding_mode",
     "pole_placement",
     "polynomial",
@@ -63,8 +83,10 @@ __all__ = [
     "robot",
     "robot_linearization",
     "robot_system",
+    "robot_with_hardware",
     "robot_with_lags",
     "second_order_sliding_mode",
+    "sensors",
     "set_point",
     "sliding_mode",
     "sliding_mode_clocked",

@@ -8,6 +8,7 @@ import sympy as sp
 
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
+from brunovsky.blocks.hardware import measured
 from brunovsky.blocks.library.chains import ROBOT_CHAINS, Chains
 from brunovsky.blocks.library.errors import errors
 from brunovsky.blocks.library.outer_loops import sliding_mode
@@ -16,6 +17,7 @@ from brunovsky.blocks.library.references import circle, set_point
 from brunovsky.blocks.library.robot import linearized_robot
 from brunovsky.blocks.variables import symbol
 
+_POSITIONS = ("x", "y")
 FIGURE_6_OUTSIDE = {"x_start": 2.5, "eta_start[1]": 0.5}
 
 
@@ -30,6 +32,8 @@ def closed_loop(
 
     Names say what is wired to what: an input of the controller is fed by the reference or the plant, whichever has an
     output of that name, an input of the plant by the controller. What nothing feeds is an input of the diagram.
+    From a plant behind sensors (:func:`robot_with_hardware`) the controller gets what is measured, ``x_measured``
+    for ``x``; so are the chains, and ``e1``, ``e2``. The true errors of the robot are ``position_error[1..2]`` then.
 
     Parameters
     ----------
@@ -57,11 +61,12 @@ def closed_loop(
     """
     body = plant or linearized_robot()
     chains = Chains.of(body)
+    is_measured = {f"{one}_measured" for one in _POSITIONS} <= {one.name for one in body.outputs}
     parts = {
         "reference": reference or (circle() if chains == ROBOT_CHAINS else set_point(chains)),
         "controller": controller or sliding_mode(chains),
         "plant": body,
-        "errors": errors(chains),
+        "errors": errors(chains, _POSITIONS if chains == ROBOT_CHAINS and is_measured else ()),
     }
     provided = {key: {one.name for one in parts[key].outputs} for key in parts}
     sources = {"controller": ("reference", "plant"), "plant": ("controller",), "errors": ("reference", "plant")}
@@ -69,9 +74,10 @@ def closed_loop(
     inputs: dict[str, list[str]] = {}
     for target, candidates in sources.items():
         for one in parts[target].inputs:
-            source = next((key for key in candidates if one.name in provided[key]), None)
-            if source:
-                connections[f"{target}.{one.name}"] = f"{source}.{one.name}"
+            names = (measured(one).name, one.name) if target == "controller" else (one.name,)
+            pairs = ((key, name) for key in candidates for name in names if name in provided[key])
+            if source := next(pairs, None):
+                connections[f"{target}.{one.name}"] = ".".join(source)
             else:
                 inputs.setdefault(one.name, []).append(f"{target}.{one.name}")
     outputs = {key: [one.name for one in parts[key].outputs] for key in ("plant", "errors", "controller")}

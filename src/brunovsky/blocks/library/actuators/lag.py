@@ -5,14 +5,15 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 
-import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
 from brunovsky.blocks.block import Block
-from brunovsky.blocks.linearized import command, start_parameter
+from brunovsky.blocks.hardware import command
+from brunovsky.blocks.library.actuators.values import one_for_each
+from brunovsky.blocks.linearized import start_parameter
 from brunovsky.blocks.variables import Check, Input, Output, Parameter, State, Variable, described
-from brunovsky.errors import ModelError, ParameterError
+from brunovsky.errors import ModelError
 
 
 def actuator_lags(
@@ -49,18 +50,15 @@ def actuator_lags(
     ----------
     K. J. Åström and R. M. Murray, *Feedback Systems*, 2008, doi:10.1515/9781400828739, on first-order systems.
     """
-    if not actuators or isinstance(number, bool) or not isinstance(number, int) or number < 1:
-        raise ModelError(f"{name}: {len(actuators)} actuator(s) with {number!r} lag(s) each; give at least one of both")
-    values = np.asarray(lags, dtype=float)
-    if values.shape not in ((), (len(actuators),)):
-        raise ModelError(f"{name}: lags has the shape {values.shape}; give one lag, or {len(actuators)}, one for each")
-    if not np.all(np.isfinite(values)) or np.any(values < 0.0):
-        raise ParameterError(f"{name}: lags = {values.tolist()}; give time constants in s, 0 for an actuator without")
+    if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+        raise ModelError(f"{name}: {number!r} lag(s) for each actuator; give at least one")
+    remedy = "give time constants in s, 0 for an actuator without"
+    values = one_for_each(actuators, lags, "lags", name, remedy, finite=True)
     constants, starts, states, outputs = [], [], [], []
-    for i, (one, value) in enumerate(zip(actuators, np.broadcast_to(values, len(actuators)), strict=True), 1):
+    for i, (one, value) in enumerate(zip(actuators, values, strict=True), 1):
         last: sp.Expr = command(one).symbol
         if value > 0.0:
-            constants.append(Parameter(f"lag[{i}]", "s", f"time constant of the lag of {one.name}", float(value), 0.0))
+            constants.append(Parameter(f"lag[{i}]", "s", f"time constant of the lag of {one.name}", value, 0.0))
             starts.append(start_parameter(one))
             for stage in range(1, number + 1):
                 derivative = (last - _stage(one, stage, number).symbol) / constants[-1].symbol

@@ -1,0 +1,36 @@
+"""Sample and hold: what a computer sees and gives only every ``sampling_period``."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import sympy as sp
+
+from brunovsky.blocks.library.outer_loops.surface_map import PERIOD
+from brunovsky.blocks.variables import Parameter, Sample, Variable, described
+from brunovsky.errors import ParameterError
+
+
+def hold_period(period: float, where: str) -> Parameter:
+    """Fixed parameter ``sampling_period`` of sensors and actuators with this default.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a positive number; ``where`` names the block.
+    """
+    number = isinstance(period, int | float | np.number) and not isinstance(period, bool)
+    if not number or not PERIOD.minimum <= period < float("inf"):
+        raise ParameterError(
+            f"{where}: the sampling period {period!r} s is not a finite number from {PERIOD.minimum:g} s on; give the "
+            "time between two samples, or none to have no sampling"
+        )
+    return dataclasses.replace(
+        PERIOD, value=float(period), description="sampling period; what is sampled is held between samples"
+    )
+
+
+def held_sample(one: Variable, value: sp.Expr, rank: int = 0) -> Sample:
+    """Sample that holds a value, under the name and unit of what it shows."""
+    return Sample(**described(one), update=value, period=PERIOD.symbol, rank=rank)
