@@ -22,7 +22,10 @@ from brunovsky.comparison.study import PlannedRun
 from brunovsky.errors import SimulationError
 from brunovsky.native import simulate
 
-RECORDED = ("x", "y", "theta", "eta[1]", "eta[2]", "u[1]", "u[2]", "singular", "e1[1]", "e2[1]", "S[1]", "S[2]")
+RECORDED = (
+    *("x", "y", "theta", "eta[1]", "eta[2]", "u[1]", "u[2]", "singular"),
+    *("e1[1]", "e2[1]", "S[1]", "S[2]", "v[1]", "v[2]"),
+)
 
 
 @dataclass(frozen=True)
