@@ -153,20 +153,20 @@ def run_study(
 def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
     outcome = check_outcome(engine.run(planned))
     agreement = None if engine is native else cross_check(planned, outcome, check_outcome(native.run(planned)))
-    metrics, facts = _measured(outcome)
+    metrics, facts = _measured(planned, outcome)
     half = _half_step(planned, native) if facts is not None else None
     return Run(planned, outcome.trajectory, outcome.status, metrics, agreement, facts, half)
 
 
 def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:
     finer = replace(planned, step_size=0.5 * planned.step_size)
-    return HalfStep(*_measured(check_outcome(native.run(finer))))
+    return HalfStep(*_measured(finer, check_outcome(native.run(finer))))
 
 
-def _measured(outcome: Outcome) -> tuple[Metrics, Facts | None]:
+def _measured(planned: PlannedRun, outcome: Outcome) -> tuple[Metrics, Facts | None]:
     if outcome.status.state != "ok":
         return Metrics(), None
-    return compute_metrics(outcome.trajectory), compute_facts(outcome.trajectory)
+    return compute_metrics(outcome.trajectory, layer=planned.layer), compute_facts(outcome.trajectory)
 
 
 @contextlib.contextmanager

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
+import brunovsky.blocks.library as library
 from brunovsky.blocks import Block, Input, Parameter, Variable
 from brunovsky.comparison.study.loops import KINDS, Loop, loop_of
 
@@ -65,7 +66,8 @@ def parameter_keys() -> Mapping[str, Key]:
 @lru_cache
 def input_keys() -> Mapping[str, Key]:
     """Keys of the inputs of :func:`study_block`, its disturbances, and of those at v."""
-    return keys_of(study_block().inputs)
+    matched = [one for one in library.outer_inputs().inputs if one.name.startswith("dv")]
+    return keys_of((*study_block().inputs, *matched))
 
 
 @lru_cache

@@ -61,6 +61,11 @@ class PlannedRun:
         return self.loop.hardware == IDEAL
 
     @property
+    def layer(self) -> float | None:
+        """Half-width of the boundary layer (m/s2), 0 for a relay; None for a law without the paper's switching."""
+        return self.parameters.get("phi", 0.0) if self.parameters.get("P") else None
+
+    @property
     def is_constant(self) -> bool:
         """Whether its inputs are constant."""
         return not self.signals and not self.noise
