@@ -18,6 +18,8 @@ from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.agreement import Agreement, cross_check
 from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, Status, check_outcome, opened_fmus
 from brunovsky.comparison.facts import Facts, compute_facts
+from brunovsky.comparison.protocol_runs import ProtocolRun, run_protocol
+from brunovsky.comparison.protocols import step_sensitive_metrics
 from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
 
@@ -91,12 +93,15 @@ class Comparison:
         Scenario by scenario, law by law.
     provenance : mapping
         Versions, engine, FMU and when it was made.
+    protocols : tuple of ProtocolRun
+        In the order of the study.
     """
 
     study: Study
     engine: str
     runs: tuple[Run, ...]
     provenance: Mapping[str, Any]
+    protocols: tuple[ProtocolRun, ...] = ()
 
     def of(self, scenario: Scenario) -> dict[str, Run]:
         """Runs of one scenario by law."""
@@ -145,9 +150,28 @@ def run_study(
         for index, planned in enumerate(plan):
             report(index, len(plan), planned.name)
             runs.append(_run(planned, simulator, native))
+        protocols = _protocols(study, runs, simulator, native, report)
         report(len(plan), len(plan), "runs")
         provenance = study_provenance(study, **simulator.provenance(), step_size=study.step_size_s)
-    return Comparison(study, chosen, tuple(runs), FrozenMapping(provenance))
+    return Comparison(study, chosen, tuple(runs), FrozenMapping(provenance), protocols)
+
+
+def _protocols(
+    study: Study, runs: Sequence[Run], engine: Engine, native: NativeSimulation, report: Progress
+) -> tuple[ProtocolRun, ...]:
+    done = []
+    for table in study.protocols:
+        pairs = [one for one in runs if one.planned.scenario == table.scenario and one.half_step is not None]
+        sensitive = step_sensitive_metrics(
+            [one.metrics.as_dict() for one in pairs],
+            [one.half_step.metrics.as_dict() for one in pairs if one.half_step is not None],
+        )
+
+        def count(trial: int, kind: str = table.kind) -> None:
+            report(len(runs), len(runs), f"{kind.replace('_', ' ')}: trial {trial + 1}")
+
+        done.append(run_protocol(study, table, engine, native, sensitive, count))
+    return tuple(done)
 
 
 def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:

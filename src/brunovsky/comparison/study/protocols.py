@@ -8,7 +8,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, model_validator
 
 from brunovsky._frozen import FrozenMapping
-from brunovsky.comparison.definitions import definition, known_metrics
+from brunovsky.comparison.definitions import METRIC_DEFINITIONS, definition
 from brunovsky.comparison.study.keys import known_parameter, remedy
 from brunovsky.comparison.study.law import Name
 from brunovsky.comparison.study.table import StudyTable
@@ -19,7 +19,7 @@ BANDWIDTH = "bandwidth"
 
 def _metric(name: str) -> str:
     if definition(name) is None:
-        raise ValueError(f"there is no metric '{name}'; {remedy(name, known_metrics())}")
+        raise ValueError(f"there is no metric '{name}'; {remedy(name, [one.name for one in METRIC_DEFINITIONS])}")
     return name
 
 

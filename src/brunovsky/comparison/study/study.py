@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -20,7 +21,9 @@ from brunovsky.comparison.study.keys import input_keys, loop_keys, parameter_key
 from brunovsky.comparison.study.law import Law, Name
 from brunovsky.comparison.study.loops import knows_hardware
 from brunovsky.comparison.study.planned import PlannedRun
+from brunovsky.comparison.study.planning import check_protocol, planned_run
 from brunovsky.comparison.study.problems import describe
+from brunovsky.comparison.study.protocols import Protocol
 from brunovsky.comparison.study.scenario import Scenario, ScenarioTable
 from brunovsky.comparison.study.signals import seed_of
 from brunovsky.comparison.study.table import StudyTable, by_name
@@ -45,6 +48,7 @@ class Study(StudyTable):
     laws: tuple[Law, ...] = Field(min_length=1, strict=False)
     scenarios: tuple[Scenario, ...] = Field(min_length=1, strict=False)
     chatter: tuple[ChatterTable, ...] = Field(default=(), strict=False)
+    protocols: tuple[Protocol, ...] = Field(default=(), strict=False)
 
     @model_validator(mode="after")
     def _check_runs(self) -> Study:
@@ -104,6 +108,16 @@ class Study(StudyTable):
                 raise ValueError(f"parameters: {text} belongs to no law of this study; remove it")
 
     @model_validator(mode="after")
+    def _check_protocols(self) -> Study:
+        for k, protocol in enumerate(self.protocols, 1):
+            where = f"protocols[{k}] "
+            names = [one.name for one in self.scenarios]
+            if protocol.scenario not in names:
+                raise ValueError(f"{where}there is no scenario '{protocol.scenario}'; {remedy(protocol.scenario, names)}")
+            check_protocol(protocol, where, self.laws_of(self.scenario(protocol.scenario)), self.scenario(protocol.scenario))
+        return self
+
+    @model_validator(mode="after")
     def _check_chatter(self) -> Study:
         points = sum(len(grid.loops) for grid in self.chatter_grids())
         if points > MOST_POINTS:
@@ -146,32 +160,44 @@ class Study(StudyTable):
         return tuple(self._planned(scenario, law) for scenario in self.scenarios for law in self.laws_of(scenario))
 
     def _planned(self, scenario: Scenario, law: Law) -> PlannedRun:
-        loop = law.loop(scenario.resolved_hardware)
-        keys = loop_keys(loop)
-        tables = {text: value for text, value in {**self.parameters, **scenario.parameters}.items() if text in keys}
-        own = {} if law.in_family else {text: value for text, value in law.parameters.items() if text in keys}
-        inputs = {one.name: one.start for one in loop.block.inputs}
-        return PlannedRun(
-            name=f"{scenario.name}/{law.name}",
-            scenario=scenario.name,
-            law=law.name,
-            duration=scenario.duration_s,
+        return planned_run(
+            law,
+            scenario,
+            shared=self.parameters,
             step_size=self.step_size_s,
-            parameters=FrozenMapping(
-                loop.block.parameter_values(by_name({**tables, **own}, keys) | (law.values if law.in_family else {}))
-            ),
-            inputs=FrozenMapping(inputs | by_name(scenario.disturbances, input_keys())),
-            loop=loop,
-            signals=scenario.signals,
-            noise=FrozenMapping(scenario.noise.deviations),
-            noise_period=scenario.noise.period_s or self.step_size_s,
             seed=seed_of(self.seed, scenario.name),
+        )
+
+    def scenario(self, name: str) -> Scenario:
+        """The scenario of this name."""
+        return next(one for one in self.scenarios if one.name == name)
+
+    def laws_of_protocol(self, protocol: Protocol) -> tuple[Law, ...]:
+        """Laws that a protocol compares, in the order of the study."""
+        laws = self.laws_of(self.scenario(protocol.scenario))
+        return tuple(one for one in laws if protocol.laws is None or one.name in protocol.laws)
+
+    def planned_case(
+        self, protocol: Protocol, law: Law, changed: Mapping[str, float], seed: tuple[int, ...] | None = None
+    ) -> PlannedRun:
+        """One run of a protocol: its scenario under a law, with keys changed, and another seed of the noise."""
+        scenario = self.scenario(protocol.scenario)
+        return planned_run(
+            law,
+            scenario,
+            shared=self.parameters,
+            step_size=protocol.step_size_s or self.step_size_s,
+            seed=seed or seed_of(self.seed, scenario.name),
+            changed=changed,
+            duration=protocol.duration_s,
         )
 
     def digest(self) -> str:
         """SHA-256 of the resolved runs: equal for studies that ask for the same simulations."""
         runs = [one.resolved() for one in self.plan()]
-        return hashlib.sha256(json.dumps(runs, sort_keys=True).encode()).hexdigest()
+        protocols = [one.model_dump(mode="json") for one in self.protocols]
+        asked = json.dumps([runs, protocols] if protocols else runs, sort_keys=True)
+        return hashlib.sha256(asked.encode()).hexdigest()
 
 
 def load_study(path: str | Path) -> Study:
