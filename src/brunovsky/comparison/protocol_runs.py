@@ -32,7 +32,6 @@ from brunovsky.comparison.study import PlannedRun, Study
 from brunovsky.comparison.study.keys import unit_suffix
 from brunovsky.comparison.study.protocols import (
     EqualEffortTable,
-    MonteCarloTable,
     ParetoTable,
     Protocol,
     SweptTable,
@@ -166,9 +165,7 @@ def run_protocol(
     worst: tuple[Path, ...] = ()
     result: Result
     if isinstance(table, SweptTable):
-        result = swept(
-            trials, laws, table.knob, table.values, metrics=table.metrics, step_sensitive=step_sensitive
-        )
+        result = swept(trials, laws, table.knob, table.values, metrics=table.metrics, step_sensitive=step_sensitive)
     elif isinstance(table, EqualEffortTable):
         result = equal_effort(
             trials,

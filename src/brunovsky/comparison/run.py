@@ -18,9 +18,9 @@ from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.agreement import Agreement, cross_check
 from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, Status, check_outcome, opened_fmus
 from brunovsky.comparison.facts import Facts, compute_facts
+from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.protocol_runs import ProtocolRun, run_protocol
 from brunovsky.comparison.protocols import step_sensitive_metrics
-from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
 
 Progress = Callable[[int, int, str], None]

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+from pydantic import ValidationInfo
+
 import brunovsky.blocks.library as library
 from brunovsky.blocks import Block, Input, Parameter, Variable
-from brunovsky.comparison.study.loops import KINDS, Loop, loop_of
+from brunovsky.comparison.study.loops import KINDS, LawKind, Loop, loop_of
 
 
 @dataclass(frozen=True)
@@ -76,20 +78,23 @@ def loop_keys(loop: Loop) -> Mapping[str, Key]:
     return keys_of(loop.block.parameters)
 
 
-def known_parameter(text: str) -> Key:
-    """Key of a parameter of any loop, or ValueError with what to write instead."""
-    found: dict[str, Key] = {}
-    for kind in KINDS:  # the paper's law first: making the others takes seconds
-        found = {**loop_keys(loop_of(kind)), **found}
-        if text in found:
-            return found[text]
-    for key in keys_of(library.robot_with_hardware(**_ALL_HARDWARE).parameters).values():
-        if key.text == text:
-            return key
-    raise ValueError(f"unknown parameter or unit; {remedy(text, {**parameter_keys(), **found}.values())}")
+def known_parameter(text: str, kinds: Sequence[LawKind]) -> Key:
+    """Key of a parameter of loops of these kinds of laws, or ValueError with what to write instead."""
+    found: dict[str, Key] = dict(parameter_keys())
+    for kind in kinds:
+        if text not in found:
+            found |= {key: one for key, one in loop_keys(loop_of(kind)).items() if key not in found}
+    if text not in found:
+        found |= keys_of(library.robot_with_hardware(lags=0.01, delays=0.01, limits=1.0, period=0.01).parameters)
+    if text in found:
+        return found[text]
+    raise ValueError(f"unknown parameter or unit; {remedy(text, found.values())}")
 
 
-_ALL_HARDWARE = {"lags": 0.01, "delays": 0.01, "limits": 1.0, "period": 0.01}
+def kinds_of(info: ValidationInfo) -> Sequence[LawKind]:
+    """Kinds of the laws of the study that is being read; all where that isn't known."""
+    kinds: Sequence[LawKind] = (info.context or {}).get("kinds", KINDS)
+    return kinds
 
 
 def remedy(wrong: str, known: Iterable[Key] | Iterable[str]) -> str:

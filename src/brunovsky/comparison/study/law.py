@@ -20,7 +20,7 @@ def _law_parameter(text: str, info: ValidationInfo) -> str:
     kind = info.data.get("kind")
     if kind is not None and kind not in FAMILY:
         return known_key(text, loop_keys(loop_of(kind)), f"parameter or unit of the kind '{kind}'")
-    if known_parameter(text).variable.name not in SWITCHING:
+    if known_parameter(text, FAMILY).variable.name not in SWITCHING:
         raise ValueError("is shared by all laws, which differ only in P and phi; move it to [parameters] or a scenario")
     return text
 

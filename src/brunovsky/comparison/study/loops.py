@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import brunovsky.blocks.library as library
-from brunovsky.blocks import Block, Diagram
+from brunovsky.blocks import Diagram
 
 LawKind = Literal[
     "linear",
@@ -27,6 +27,8 @@ LawKind = Literal[
     "second_order_sliding_mode",
     "polar_sliding_mode",
     "backstepping",
+    "rest_to_rest",
+    "goal_frame",
 ]
 KINDS: tuple[LawKind, ...] = get_args(LawKind)
 FAMILY: tuple[LawKind, ...] = ("linear", "saturation", "sign")
@@ -34,6 +36,7 @@ FAMILY: tuple[LawKind, ...] = ("linear", "saturation", "sign")
 
 _RENAMED = {"relay": "sliding_mode_relay", "sampled": "sliding_mode_sampled"}
 _ACCELERATIONS = ("polar_sliding_mode", "backstepping")  # laws that command the bare robot
+_FROM_REST = {"rest_to_rest": "rest_to_rest", "goal_frame": "goal_frame_manoeuvre"}  # whole loops of their own
 
 
 @dataclass(frozen=True)
@@ -86,12 +89,15 @@ def loop_of(kind: LawKind, hardware: Hardware = IDEAL) -> Loop:
 
 def knows_hardware(kind: LawKind) -> bool:
     """Whether a law commands the jerk v, so that hardware can stand around its inner loop."""
-    return kind not in _ACCELERATIONS
+    return kind not in _ACCELERATIONS and kind not in _FROM_REST
 
 
 @lru_cache
 def _made(loop: Loop) -> Diagram:
-    make: Callable[[], Block] = getattr(library, loop.controller)
+    make: Callable[[], Any] = getattr(library, _FROM_REST.get(loop.controller, loop.controller))
+    if loop.controller in _FROM_REST:
+        whole: Diagram = make()
+        return whole
     if loop.controller in _ACCELERATIONS:
         return library.posture_loop(make())
     controller = None if loop.controller == "sliding_mode" else make()

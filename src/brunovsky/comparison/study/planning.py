@@ -69,7 +69,7 @@ def scaled_gains(loop: Loop, values: Mapping[str, float], factor: float) -> dict
 
 
 def _rate(unit: str) -> int:
-    """n of the unit 1/s^n, 0 for any other."""
+    """N of the unit 1/s^n, 0 for any other."""
     exponents = dict(zip(BASE_UNITS, unit_exponents(unit), strict=True))
     n = -exponents.pop("s")
     return n if n > 0 and not any(exponents.values()) else 0

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, model_validator
+from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, ValidationInfo, model_validator
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.definitions import METRIC_DEFINITIONS, definition
-from brunovsky.comparison.study.keys import known_parameter, remedy
+from brunovsky.comparison.study.keys import kinds_of, known_parameter, remedy
 from brunovsky.comparison.study.law import Name
 from brunovsky.comparison.study.table import StudyTable
 
@@ -23,9 +23,9 @@ def _metric(name: str) -> str:
     return name
 
 
-def _knob(text: str) -> str:
+def _knob(text: str, info: ValidationInfo) -> str:
     if text != BANDWIDTH:
-        known_parameter(text)
+        known_parameter(text, kinds_of(info))
     return text
 
 
@@ -163,8 +163,8 @@ class DistributionTable(StudyTable):
 class MonteCarloTable(_Protocol):
     """Cases with drawn parameters and noise, the same under every law.
 
-    ``resting_poses_within_m`` draws starts at rest, uniform in a disc about the origin, with headings of start and goal.
-    ``worst`` names the metric by which the worst cases are drawn as paths.
+    ``resting_poses_within_m`` draws starts at rest, uniform in a disc about the origin, with headings of start
+    and goal. ``worst`` names the metric by which the worst cases are drawn as paths.
     """
 
     kind: Literal["monte_carlo"]

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, model_validator
+from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, ValidationInfo, model_validator
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.study.hardware import NO_HARDWARE, HardwareTable
-from brunovsky.comparison.study.keys import known_parameter
+from brunovsky.comparison.study.keys import kinds_of, known_parameter
 from brunovsky.comparison.study.law import SWITCHING, Name
 from brunovsky.comparison.study.loops import Hardware
 from brunovsky.comparison.study.signals import NO_NOISE, DisturbanceTable, Noise, Signal
 from brunovsky.comparison.study.table import StudyTable, in_range
 
 
-def _scenario_parameter(text: str) -> str:
-    if known_parameter(text).variable.name in SWITCHING:
+def _scenario_parameter(text: str, info: ValidationInfo) -> str:
+    if known_parameter(text, kinds_of(info)).variable.name in SWITCHING:
         raise ValueError("belongs to a law, so that laws differ in nothing else; move it to a [[laws]] table")
     return text
 

@@ -11,15 +11,15 @@ import json
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.study.chatter_grid import MOST_POINTS, ChatterGrid, ChatterTable
-from brunovsky.comparison.study.keys import input_keys, loop_keys, parameter_keys, remedy, study_block
+from brunovsky.comparison.study.keys import loop_keys, parameter_keys, remedy, study_block
 from brunovsky.comparison.study.law import Law, Name
-from brunovsky.comparison.study.loops import knows_hardware
+from brunovsky.comparison.study.loops import KINDS, LawKind, knows_hardware
 from brunovsky.comparison.study.planned import PlannedRun
 from brunovsky.comparison.study.planning import check_protocol, planned_run
 from brunovsky.comparison.study.problems import describe
@@ -113,8 +113,12 @@ class Study(StudyTable):
             where = f"protocols[{k}] "
             names = [one.name for one in self.scenarios]
             if protocol.scenario not in names:
-                raise ValueError(f"{where}there is no scenario '{protocol.scenario}'; {remedy(protocol.scenario, names)}")
-            check_protocol(protocol, where, self.laws_of(self.scenario(protocol.scenario)), self.scenario(protocol.scenario))
+                raise ValueError(
+                    f"{where}there is no scenario '{protocol.scenario}'; {remedy(protocol.scenario, names)}"
+                )
+            check_protocol(
+                protocol, where, self.laws_of(self.scenario(protocol.scenario)), self.scenario(protocol.scenario)
+            )
         return self
 
     @model_validator(mode="after")
@@ -226,8 +230,15 @@ def load_study(path: str | Path) -> Study:
     except tomllib.TOMLDecodeError as error:
         raise StudyError(f"{path}: is not valid TOML: {error}; correct the syntax there") from None
     try:
-        return Study.model_validate(data)
+        return Study.model_validate(data, context={"kinds": _kinds(data)})
     except ValidationError as error:
         raise StudyError(
             describe(path, text, error, {"": Study, "laws": Law, "scenarios": Scenario, "chatter": ChatterTable})
         ) from None
+
+
+def _kinds(data: Mapping[str, Any]) -> list[LawKind]:
+    """Kinds of laws that a study file names, before it is checked: only their loops are made."""
+    laws = data.get("laws")
+    named = [one.get("kind") for one in laws if isinstance(one, dict)] if isinstance(laws, list) else []
+    return [kind for kind in KINDS if kind in named]
