@@ -254,13 +254,29 @@ def _dataset(description: Any, names: Sequence[str], rows: Any) -> xr.Dataset:
     return xr.Dataset(data, coords={"time": ("time", times, {"units": "s"})})
 
 
-def check_outcome(outcome: Outcome) -> Outcome:
-    """Call a trajectory that is not finite diverged from its first such instant on, whatever the engine said."""
-    table = np.array([np.asarray(one.values, dtype=float) for one in outcome.trajectory.data_vars.values()])
+def check_outcome(outcome: Outcome, planned: PlannedRun) -> Outcome:
+    """Call a trajectory that is not finite diverged from its first such instant on, whatever the engine said.
+
+    Where the loop has a goal and records no error, the distance to the goal is its position error.
+    """
+    trajectory = _with_distance(outcome.trajectory, planned)
+    table = np.array([np.asarray(one.values, dtype=float) for one in trajectory.data_vars.values()])
     finite = np.isfinite(table).all(axis=0)
     if finite.all() or outcome.status.state != "ok":
-        return outcome
+        return Outcome(trajectory, outcome.status)
     first = int(np.argmin(finite))
-    time = float(outcome.trajectory["time"][first])
-    shorter = outcome.trajectory.isel(time=slice(0, first))
-    return Outcome(shorter, Status("diverged", time, f"the trajectory is not finite from t = {time:g} s on"))
+    time = float(trajectory["time"][first])
+    message = f"the trajectory is not finite from t = {time:g} s on"
+    return Outcome(trajectory.isel(time=slice(0, first)), Status("diverged", time, message))
+
+
+def _with_distance(trajectory: xr.Dataset, planned: PlannedRun) -> xr.Dataset:
+    if "e1[1]" in trajectory or "goal[1]" not in planned.parameters:
+        return trajectory
+    errors = {
+        f"position_error[{k}]": (trajectory[one] - planned.parameters[f"goal[{k}]"]).assign_attrs(
+            units="m", long_name=f"distance to the goal along {one}"
+        )
+        for k, one in ((1, "x"), (2, "y"))
+    }
+    return trajectory.assign(errors)

@@ -107,10 +107,10 @@ class _Trials:
         """Metrics of one run, or why it has none."""
         self.progress(self.count)
         planned = self._planned(law, parameters, case)
-        outcome = check_outcome(self.engine.run(planned))
+        outcome = check_outcome(self.engine.run(planned), planned)
         self.count += 1
         if self.engine is not self.native and self.count & (self.count - 1) == 0:  # the 1st, 2nd, 4th, 8th, ...
-            self.agreement.append(cross_check(planned, outcome, check_outcome(self.native.run(planned))))
+            self.agreement.append(cross_check(planned, outcome, check_outcome(self.native.run(planned), planned)))
         if outcome.status.state != "ok":
             return Failure(outcome.status.message, outcome.status.state == "singular")
         return compute_metrics(outcome.trajectory, layer=planned.layer).as_dict()
@@ -122,7 +122,7 @@ class _Trials:
     def path(self, law: str, parameters: Mapping[str, float], case: int, value: float | None) -> Path:
         """The trajectory of one case."""
         planned = self._planned(law, parameters, case)
-        return Path(law, case, value, check_outcome(self.native.run(planned)).trajectory)
+        return Path(law, case, value, check_outcome(self.native.run(planned), planned).trajectory)
 
     def _planned(self, law: str, parameters: Mapping[str, float], case: int) -> PlannedRun:
         seed = None if self.seed is None else (noise_seed(self.seed, case),)

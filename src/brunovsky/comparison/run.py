@@ -175,8 +175,8 @@ def _protocols(
 
 
 def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
-    outcome = check_outcome(engine.run(planned))
-    agreement = None if engine is native else cross_check(planned, outcome, check_outcome(native.run(planned)))
+    outcome = check_outcome(engine.run(planned), planned)
+    agreement = None if engine is native else cross_check(planned, outcome, check_outcome(native.run(planned), planned))
     metrics, facts = _measured(planned, outcome)
     half = _half_step(planned, native) if facts is not None else None
     return Run(planned, outcome.trajectory, outcome.status, metrics, agreement, facts, half)
@@ -184,7 +184,7 @@ def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
 
 def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:
     finer = replace(planned, step_size=0.5 * planned.step_size)
-    return HalfStep(*_measured(finer, check_outcome(native.run(finer))))
+    return HalfStep(*_measured(finer, check_outcome(native.run(finer), finer)))
 
 
 def _measured(planned: PlannedRun, outcome: Outcome) -> tuple[Metrics, Facts | None]:

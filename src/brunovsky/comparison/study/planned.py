@@ -35,6 +35,8 @@ class PlannedRun:
         For how long a value of the noise is held, s.
     seed : tuple of int
         Of the noise: equal for the laws of a scenario.
+    goal_heading : float or None
+        Heading that the robot should have at the end, where the task names one, rad; some laws don't know it.
     """
 
     name: str
@@ -49,6 +51,7 @@ class PlannedRun:
     noise: Mapping[str, float] = FrozenMapping({})
     noise_period: float = 1e-3
     seed: tuple[int, ...] = (0,)
+    goal_heading: float | None = None
 
     @property
     def is_undisturbed(self) -> bool:
@@ -100,4 +103,5 @@ class PlannedRun:
             "noise": dict(self.noise),
             "noise_period": self.noise_period if self.noise else None,
             "seed": list(self.seed) if self.noise else None,
+            "goal_heading": self.goal_heading,
         }

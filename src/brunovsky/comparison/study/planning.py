@@ -14,6 +14,7 @@ from brunovsky.comparison.study.protocols import BANDWIDTH, EqualEffortTable, Pa
 from brunovsky.comparison.study.scenario import Scenario
 from brunovsky.comparison.study.table import by_name
 
+GOAL_HEADING = "goal_heading_rad"
 NOTHING: Mapping[str, float] = FrozenMapping({})
 
 
@@ -59,6 +60,7 @@ def planned_run(
         noise=FrozenMapping(scenario.noise.deviations),
         noise_period=scenario.noise.period_s or step_size,
         seed=seed,
+        goal_heading={**tables, **changed}.get(GOAL_HEADING),
     )
 
 

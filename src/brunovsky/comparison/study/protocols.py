@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, ValidationInfo, model_validator
 
@@ -36,7 +36,11 @@ def _frozen(table: Mapping[str, object]) -> FrozenMapping[str, object]:
 Metric = Annotated[str, AfterValidator(_metric)]
 KnobKey = Annotated[str, AfterValidator(_knob)]
 Range = Annotated[tuple[FiniteFloat, FiniteFloat], Field(strict=False)]
-_Plain = (AfterValidator(_frozen), PlainSerializer(dict))
+def _thawed(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: dict(value) if isinstance(value, Mapping) else value for key, value in table.items()}
+
+
+_Plain = (AfterValidator(_frozen), PlainSerializer(_thawed))
 
 
 class _Protocol(StudyTable):
