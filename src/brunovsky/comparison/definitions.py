@@ -34,6 +34,12 @@ class Definition:
         return asdict(self)
 
     @property
+    def phrase(self) -> str:
+        """Title within a sentence: acronyms alone, what else explains in brackets."""
+        first, comma, rest = self.title.partition(" (")[0].partition(", ")
+        return f"{first} ({rest})" if comma and not first.isupper() else first
+
+    @property
     def header(self) -> str:
         """Name with unit, the header of a column."""
         return f"{self.name} [{self.unit}]"
@@ -257,6 +263,13 @@ FURTHER_METRICS = tuple(
 
 METRIC_DEFINITIONS = CONTRACT_METRICS + FURTHER_METRICS
 """Definitions of all metrics in the order in which they are told."""
+
+
+UNREACHED = frozenset({"settling_time", "settling_1mm", "settling_100um", "reaching_time"})
+"""Times that are undefined where they are beyond the end of the run, so that undefined means longest."""
+
+BETTER_GREATER = frozenset({"min_speed", "min_speed_moving"})
+"""Metrics that are distances from trouble; of all others the lower is the better, or neither."""
 
 
 def definition(name: str) -> Definition | None:

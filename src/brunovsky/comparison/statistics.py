@@ -84,11 +84,13 @@ def mean_estimate(
     171-185, 1987, doi:10.1080/01621459.1987.10478410.
     """
     known, failures = _known(values, level)
-    special = _special(known, failures, level, fewest, float(np.mean(known)) if known.size else None)
+    with np.errstate(over="ignore"):
+        mean = float(np.mean(known)) if known.size else None
+    special = _special(known, failures, level, fewest, mean)
     if special is not None:
         return special
     low, high, note = _bootstrap(known, seed, level, resamples)
-    return Estimate(float(np.mean(known)), low, high, known.size, failures, level, note)
+    return Estimate(mean, low, high, known.size, failures, level, note)
 
 
 def median_estimate(values: Sample, *, level: float = LEVEL, fewest: int = FEWEST) -> Estimate:
