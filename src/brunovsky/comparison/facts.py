@@ -14,6 +14,7 @@ from brunovsky.comparison.metrics import instants, position_error, settling_time
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+CONVERGED = 0.01  # relative change at half the step up to which a number counts as converged
 FINER = {"settling_1mm": 1e-3, "settling_100um": 1e-4}  # m; settling beyond the 1 cm of the metrics
 
 

@@ -14,12 +14,12 @@ from brunovsky.comparison import drawing, figures
 from brunovsky.comparison.agreement import POSITION_TOLERANCE
 from brunovsky.comparison.claims import claims
 from brunovsky.comparison.equations import determinant, inner_loop_equations, plant_equations
-from brunovsky.comparison.facts import given, joined, number
+from brunovsky.comparison.facts import CONVERGED, given, joined, number
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.linear_part import linear_loops, motion_on_surface, shares_one_linear_part
 from brunovsky.comparison.output import write_text
 from brunovsky.comparison.run import Comparison, Progress, run_study
-from brunovsky.comparison.sensitivity import CONVERGED, MARK, step_sensitivity
+from brunovsky.comparison.sensitivity import MARK, step_sensitivity
 from brunovsky.comparison.study import EngineName, Scenario, Study, load_study
 from brunovsky.comparison.tables import conditions, footnote, loop_row, margin_rows, metric_rows, poles_text
 

@@ -6,10 +6,10 @@ import math
 from typing import Any
 
 from brunovsky.comparison.definitions import CONTRACT_METRICS
-from brunovsky.comparison.facts import given, joined, number, percent
+from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
 from brunovsky.comparison.run import Run
-from brunovsky.comparison.sensitivity import CONVERGED, MARK, both, converged, sensitivity, told
+from brunovsky.comparison.sensitivity import MARK, both, converged, sensitivity, told
 
 METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in CONTRACT_METRICS)
 MARGIN_ROWS = (

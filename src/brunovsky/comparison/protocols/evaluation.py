@@ -9,7 +9,7 @@ from typing import Any
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.definitions import Definition, definition
-from brunovsky.comparison.sensitivity import CONVERGED
+from brunovsky.comparison.facts import CONVERGED
 from brunovsky.errors import BrunovskyError, ParameterError
 
 

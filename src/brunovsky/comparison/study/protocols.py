@@ -36,6 +36,8 @@ def _frozen(table: Mapping[str, object]) -> FrozenMapping[str, object]:
 Metric = Annotated[str, AfterValidator(_metric)]
 KnobKey = Annotated[str, AfterValidator(_knob)]
 Range = Annotated[tuple[FiniteFloat, FiniteFloat], Field(strict=False)]
+
+
 def _thawed(table: Mapping[str, Any]) -> dict[str, Any]:
     return {key: dict(value) if isinstance(value, Mapping) else value for key, value in table.items()}
 
