@@ -23,7 +23,7 @@ from brunovsky.comparison.chatter_summary import chatter_markdown
 from brunovsky.comparison.engines import Status
 from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.readme import readme_figure
-from brunovsky.comparison.report import ReportFiles, compare_study, write_report
+from brunovsky.comparison.report.page import ReportFiles, compare_study, write_report
 from brunovsky.comparison.run import Comparison, Run, run_study
 from brunovsky.comparison.study import Law, Scenario, Study, load_study
 from brunovsky.comparison.summary import summary_markdown
