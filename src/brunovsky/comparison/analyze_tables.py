@@ -11,8 +11,7 @@ from rich.table import Table
 
 from brunovsky.analysis import ChatterRow, DiskMargin, Margins
 from brunovsky.comparison.analyze import Analysis
-from brunovsky.comparison.analyzed_loops import loops_by_name
-from brunovsky.comparison.analyzed_loops import AnalyzedLoop
+from brunovsky.comparison.analyzed_loops import AnalyzedLoop, loops_by_name
 from brunovsky.comparison.analyzed_runs import ActuatorMargins, AnalyzedRun
 from brunovsky.comparison.chatter_grid import ChatterGrid
 from brunovsky.comparison.facts import given, number

@@ -141,8 +141,8 @@ def signed_scale(axes: Axes, which: str, linear: float, peak: float, most: int =
 def drawn_once(axes: Axes, x: Array, y: Array) -> tuple[Array, Array]:
     """A curve of a plane on axes with their final limits, without the strokes that only repeat earlier ones.
 
-    A stroke is one from a point of a grid of about a third of a point (1/72 inch) to another; where one is left out, not
-    a number breaks the curve.
+    A stroke joins two points of a grid with a width of a third of a point (1/72 inch); where one is left out, the curve
+    is broken by not-a-number.
     """
     points = axes.transData.transform(np.column_stack((x, y)))
     cells = np.round(points * (_GRID / axes.figure.dpi)).astype(np.int64)
@@ -151,10 +151,11 @@ def drawn_once(axes: Axes, x: Array, y: Array) -> tuple[Array, Array]:
     strokes = np.sort(np.stack((cells[:-1], cells[1:]), axis=1).reshape(-1, 2, 2), axis=1).reshape(-1, 4)
     keep = np.zeros(len(strokes), dtype=bool)
     keep[np.unique(strokes, axis=0, return_index=True)[1]] = True
+    gap = np.array([np.nan])
     xs, ys = [x[:1]], [y[:1]]
     for begin, end in _stretches(keep):
-        xs += [[np.nan], x[begin : end + 1]]
-        ys += [[np.nan], y[begin : end + 1]]
+        xs += [gap, x[begin : end + 1]]
+        ys += [gap, y[begin : end + 1]]
     return np.concatenate(xs), np.concatenate(ys)
 
 

@@ -59,7 +59,7 @@ def _scale(axes: Axes, planes: list[tuple[int, Array, Array]], laws: Drawn) -> N
 
 
 def _draw_portrait(axes: Axes, planes: list[tuple[int, Array, Array]]) -> None:
-    for index, x, y in planes:
+    for _, x, y in planes:
         if axes.get_xscale() == "linear":
             axes.plot(x, y, alpha=0.0)  # sets the limits
     for index, x, y in planes:

@@ -1,203 +1,181 @@
-"""The report of a comparison: one HTML file that opens offline, and its metrics as JSON."""
+"""The page of a report: all its parts, put into the template."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.resources import files
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal
 
 import jinja2
+from markupsafe import Markup
 
-from brunovsky.comparison import drawing, figures
-from brunovsky.comparison.agreement import POSITION_TOLERANCE
-from brunovsky.comparison.claims import claims
-from brunovsky.comparison.equations import determinant, inner_loop_equations, plant_equations
+from brunovsky.comparison import drawing, equations, figures
+from brunovsky.comparison.claim import Claim
+from brunovsky.comparison.claims import claims, examined
 from brunovsky.comparison.facts import given, joined, number
-from brunovsky.comparison.findings import scenario_findings
-from brunovsky.comparison.linear_part import linear_loops, motion_on_surface, shares_one_linear_part
-from brunovsky.comparison.output import write_text
-from brunovsky.comparison.run import Comparison, Progress, run_study
-from brunovsky.comparison.sensitivity import CONVERGED, MARK, step_sensitivity
-from brunovsky.comparison.study import EngineName, Scenario, Study, load_study
-from brunovsky.comparison.tables import conditions, footnote, loop_row, margin_rows, metric_rows, poles_text
+from brunovsky.comparison.output import plain
+from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
+from brunovsky.comparison.report.data import agreement_data, metrics_table
+from brunovsky.comparison.report.definitions import metric_definitions
+from brunovsky.comparison.report.limits import limits
+from brunovsky.comparison.report.linear import LinearSection, linear_section
+from brunovsky.comparison.report.overall import overall_table
+from brunovsky.comparison.report.scenario import Picture, ScenarioSection, scenario_section
+from brunovsky.comparison.report.verdict import verdict
+from brunovsky.comparison.run import Comparison
+from brunovsky.comparison.sensitivity import CONVERGED, MARK
+from brunovsky.comparison.study import Scenario
+
+Medium = Literal["screen", "paper"]
 
 
-class ReportFiles(NamedTuple):
-    """What a comparison leaves behind."""
+@dataclass(frozen=True)
+class Group:
+    """Scenarios that stand for one figure of the paper, or for none."""
 
-    report: Path
-    metrics: Path
-
-
-def compare_study(
-    study: Study | str | Path, folder: str | Path, *, engine: EngineName | None = None, progress: Progress | None = None
-) -> ReportFiles:
-    """Run a study and write its report and metrics.
-
-    Parameters
-    ----------
-    study : Study or path
-        A study, or its file (TOML).
-    folder : path
-        Where ``report.html``, ``metrics.json`` and ``fmus/`` go; made if missing.
-    engine : {"fmpy", "native"}, optional
-        In place of the study's own choice.
-    progress : function of (done, total, what), optional
-        See :func:`run_study`.
-
-    Raises
-    ------
-    StudyError
-        If the study file cannot be used.
-    """
-    loaded = study if isinstance(study, Study) else load_study(study)
-    comparison = run_study(loaded, engine=engine, folder=folder, progress=progress)
-    if progress is not None:
-        progress(len(comparison.runs), len(comparison.runs), "drawing the report")
-    return write_report(comparison, folder)
+    title: str
+    overview: Picture | None
+    scenarios: tuple[ScenarioSection, ...]
 
 
-def write_report(comparison: Comparison, folder: str | Path) -> ReportFiles:
-    """Write ``report.html`` and ``metrics.json``, each complete or not at all.
+@dataclass(frozen=True)
+class Content:
+    """What a report says, before it is laid out: drawn and worded once for page, PDF and tables."""
+
+    comparison: Comparison
+    verdict: tuple[str, ...]
+    overall: Table
+    claims: tuple[Claim, ...]
+    limits: tuple[str, ...]
+    groups: tuple[Group, ...]
+    linear: LinearSection
+    protocols: tuple[ProtocolSection, ...]
+    definitions: Table
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """Tables that are kept as CSV beside the report."""
+        columns = ("claim", "verdict", "what these runs show")
+        rows = tuple((one.quote, one.verdict, one.shown) for one in self.claims)
+        own = (metrics_table(self.comparison), self.overall, Table("claims", columns, rows))
+        linear = (self.linear.loops, self.linear.margins)
+        return (*own, *linear, *(one.table for one in self.protocols if one.table is not None))
+
+
+def report_content(comparison: Comparison, sections: Sequence[ProtocolSection] = ()) -> Content:
+    """Draw and word a report."""
+    found = claims(comparison)
+    with drawing.settings():
+        groups = tuple(_group(comparison, title, some, k) for k, (title, some) in enumerate(_grouped(comparison), 1))
+        linear = linear_section(comparison.study)
+    return Content(
+        comparison=comparison,
+        verdict=tuple(verdict(comparison, found, sections)),
+        overall=overall_table(comparison),
+        claims=tuple(found),
+        limits=tuple(limits(comparison, found)),
+        groups=groups,
+        linear=linear,
+        protocols=tuple(sections),
+        definitions=metric_definitions(),
+    )
+
+
+def render_report(
+    comparison: Comparison, sections: Sequence[ProtocolSection] = (), *, medium: Medium = "screen"
+) -> str:
+    """HTML of the report.
 
     Parameters
     ----------
     comparison : Comparison
         From :func:`run_study`.
-    folder : path
-        Made if missing.
+    sections : sequence of ProtocolSection, optional
+        Protocols of fairness, in the order in which they stand after the figures of the linear part.
+    medium : {"screen", "paper"}
+        For a browser, or for what makes the PDF: without scripts, equations drawn.
     """
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    written = ReportFiles(folder / "report.html", folder / "metrics.json")
-    report, metrics = render_report(comparison), json.dumps(metrics_data(comparison), indent=1, allow_nan=False) + "\n"
-    write_text(written.report, report)
-    write_text(written.metrics, metrics)
-    return written
+    return render(report_content(comparison, sections), medium)
 
 
-def metrics_data(comparison: Comparison) -> dict[str, Any]:
-    """What ``metrics.json`` holds: study, provenance, and for each run its metrics and how it ended."""
-    study = comparison.study
-    return {
-        "study": study.name,
-        "provenance": {
-            **_plain(comparison.provenance),
-            "resolved_study": study.model_dump(mode="json"),
-            "agreement_with_native": agreement_data(comparison),
-        },
-        "runs": [
-            {
-                "name": run.planned.name,
-                "law": run.planned.law,
-                "scenario": run.planned.scenario,
-                "metrics": run.metrics.as_dict(),
-                "step_sensitivity": step_sensitivity(run),
-                "status": run.status.state,
-                "status_time": run.status.time,
-                "status_message": run.status.message,
-                "duration": run.planned.duration,
-                "parameters": dict(run.planned.parameters),
-                "inputs": dict(run.planned.inputs),
-            }
-            for run in comparison.runs
-        ],
-    }
-
-
-def agreement_data(comparison: Comparison) -> dict[str, Any] | None:
-    """Cross-check of all runs against the native simulation; None where that is the engine."""
-    found = [run.agreement for run in comparison.runs if run.agreement is not None]
-    if not found:
-        return None
-    positions = [one.position for one in found if one.position is not None]
-    return {
-        "max_position_difference": max(positions, default=None),
-        "all_agree": all(one.agrees for one in found),
-        "position_tolerance": POSITION_TOLERANCE,
-        "runs": [one.as_dict() for one in found],
-    }
-
-
-def render_report(comparison: Comparison) -> str:
-    """HTML of the report."""
-    study = comparison.study
-    groups = [(f"Figure {k} of the paper", [one for one in study.scenarios if one.figure == k]) for k in "456"]
-    others = [one for one in study.scenarios if one.figure is None]
-    groups.append(("Beyond the paper’s figures" if len(others) < len(study.scenarios) else "Scenarios", others))
-    loops = linear_loops(study)
+def render(content: Content, medium: Medium) -> str:
+    """HTML of what a report says."""
+    comparison = content.comparison
+    study, provenance = comparison.study, plain(comparison.provenance)
+    plan = study.plan()
     with drawing.settings():
-        sections = [
-            {
-                "title": title,
-                "overview": _overview(comparison, scenarios, f"paths{index}"),
-                "scenarios": [_scenario(comparison, one) for one in scenarios],
-            }
-            for index, (title, scenarios) in enumerate(groups)
-            if scenarios
-        ]
-        named = [(one.title, one.poles) for one in loops] + [("motion on S = 0", motion_on_surface(study))]
-        poles = drawing.svg(figures.poles_figure(named), "poles")
-    return _template().render(
+        draw = equations.as_mathml if medium == "screen" else equations.as_svg
+        model = {
+            "plant": [Markup(draw(one)) for one in equations.plant_equations()],
+            "inner_loop": [Markup(draw(one)) for one in equations.inner_loop_equations()],
+            "determinant": Markup(draw(equations.determinant())),
+        }
+    return _environment().get_template("report.html.j2").render(
+        content=content,
         comparison=comparison,
         study=study,
-        sections=sections,
-        claims=claims(comparison),
-        loops=[loop_row(one) for one in loops],
-        margins=margin_rows(list(loops)),
-        surface_poles=poles_text(motion_on_surface(study)),
-        one_linear_part=shares_one_linear_part(study),
-        poles_figure=poles,
-        guards=joined(sorted({given(run.planned.parameters["eta_min"]) for run in comparison.runs})),
+        model=model,
+        medium=medium,
+        about_the_paper=bool(examined(list(content.claims))),
+        guards=joined(sorted({given(run.parameters["eta_min"]) for run in plan})),
         failed=[run for run in comparison.runs if not run.ok],
         agreement=agreement_data(comparison),
-        provenance=_plain(comparison.provenance),
+        provenance=provenance,
         resolved=json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False),
-        number=number,
         mark=MARK.strip(),
         converged=f"{100 * CONVERGED:g} %",
-        given=given,
-        plant_equations=plant_equations(),
-        inner_loop_equations=inner_loop_equations(),
-        determinant=determinant(),
-    )
+    )  # fmt: skip
 
 
-def _overview(comparison: Comparison, scenarios: Sequence[Scenario], key: str) -> str:
-    """Paths side by side, of the scenarios of a figure with a run that reached its end; nothing for fewer than two."""
+def _grouped(comparison: Comparison) -> list[tuple[str, list[Scenario]]]:
+    scenarios = comparison.study.scenarios
+    groups = [(f"Figure {k} of the paper", [one for one in scenarios if one.figure == k]) for k in "456"]
+    others = [one for one in scenarios if one.figure is None]
+    groups.append(("Beyond the paper’s figures" if len(others) < len(scenarios) else "Scenarios", others))
+    return [(title, some) for title, some in groups if some]
+
+
+def _group(comparison: Comparison, title: str, scenarios: list[Scenario], index: int) -> Group:
+    """A group, with the paths side by side of its scenarios that stand for a figure, if there are at least two."""
     shown = [one for one in scenarios if one.figure and any(run.ok for run in comparison.of(one).values())]
-    return drawing.svg(figures.paths_figure(comparison, shown), key) if len(shown) > 1 else ""
+    overview = None
+    if len(shown) > 1:
+        caption = "Paths of the scenarios below, on equal scales. The lines of the laws are drawn over one another."
+        svg = drawing.svg(figures.paths_figure(comparison, shown), f"paths-{index}", f"Paths: {title}")
+        overview = Picture(svg, caption)
+    return Group(title, overview, tuple(scenario_section(comparison, one) for one in scenarios))
 
 
-def _scenario(comparison: Comparison, scenario: Scenario) -> dict[str, Any]:
-    pairs = comparison.laws_of(scenario)
-    window = figures.transient_window(comparison, scenario)
-    drawn = any(run.trajectory.sizes["time"] for _, run in pairs)
-    return {
-        "scenario": scenario,
-        "figure": drawing.svg(figures.scenario_figure(comparison, scenario), scenario.name) if drawn else "",
-        "window": given(window) if window < scenario.duration_s else "",
-        "regulation": all(run.planned.parameters["radius"] == 0.0 for _, run in pairs),
-        "findings": scenario_findings(comparison, scenario),
-        "laws": [law for law, _ in pairs],
-        "footnote": footnote([run for _, run in pairs]),
-        "rows": metric_rows([run for _, run in pairs]),
-        "conditions": conditions(pairs[0][1]),
-    }
-
-
-def _template() -> jinja2.Template:
+def _environment() -> jinja2.Environment:
+    folder = files(__package__)
     environment = jinja2.Environment(
+        loader=jinja2.FunctionLoader(lambda name: folder.joinpath(name).read_text(encoding="utf-8")),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    return environment.from_string(files(__package__).joinpath("report.html.j2").read_text(encoding="utf-8"))
+    environment.filters |= {"cell": _cell, "described": _described}
+    environment.globals |= {"given": given, "number": number, "is_number": _is_number}
+    environment.globals["inlined"] = lambda name: Markup(folder.joinpath(name).read_text(encoding="utf-8"))
+    return environment
 
 
-def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: dict(value) if isinstance(value, Mapping) else value for name, value in data.items()}
+def _cell(cell: Cell) -> str:
+    """A cell of a table for people."""
+    if cell is None:
+        return "–"
+    return number(cell) if isinstance(cell, float) else str(cell)
+
+
+def _is_number(cell: Any) -> bool:
+    """Whether a cell is set flush right."""
+    return not isinstance(cell, str) or (cell[:1] in "≈−–0123456789" and len(cell) < 24) or cell == "never"
+
+
+def _described(svg: str, title: str) -> Markup:
+    """SVG element that says what it shows."""
+    return Markup(drawing.described(svg, title)) if svg else Markup("")
