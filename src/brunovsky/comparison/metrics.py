@@ -142,7 +142,7 @@ def _of_motion(trajectory: xr.Dataset) -> dict[str, float | None]:
 def _min_speed_moving(trajectory: xr.Dataset, time: Array, speed: Array, settled: float | None) -> float | None:
     if "x" not in trajectory or "y" not in trajectory:
         return None
-    pairs = zip(("x", "y"), _errors(trajectory), strict=True)
+    pairs = zip(("x", "y"), error_names(trajectory), strict=True)
     extents = [np.ptp(values(trajectory, own) - values(trajectory, off)) for own, off in pairs]
     moves = max(extents) > SETTLED
     return float(np.min(speed if moves or settled is None else speed[time <= settled]))
@@ -195,11 +195,11 @@ def instants(trajectory: xr.Dataset) -> Array:
 
 def position_error(trajectory: xr.Dataset) -> Array:
     """Distance between the robot and its reference at each instant, m."""
-    first, second = _errors(trajectory)
+    first, second = error_names(trajectory)
     return np.hypot(values(trajectory, first), values(trajectory, second))
 
 
-def _errors(trajectory: xr.Dataset) -> tuple[str, str]:
+def error_names(trajectory: xr.Dataset) -> tuple[str, str]:
     """Names of the position errors: the true ones, where the loop's own are as it measures them."""
     true = ("position_error[1]", "position_error[2]")
     return true if true[0] in trajectory else ("e1[1]", "e2[1]")

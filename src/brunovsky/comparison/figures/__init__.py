@@ -6,6 +6,7 @@ from brunovsky.comparison.figures.paths import path_figure, path_of, paths_figur
 from brunovsky.comparison.figures.phase import phase_figure
 from brunovsky.comparison.figures.signals import errors_figure, inputs_figure, sliding_figure
 from brunovsky.comparison.figures.traces import transient_window
+from brunovsky.comparison.figures.worst import worst_paths_figure
 
 __all__ = [
     "DescribingFunction",
@@ -21,4 +22,5 @@ __all__ = [
     "poles_figure",
     "sliding_figure",
     "transient_window",
+    "worst_paths_figure",
 ]

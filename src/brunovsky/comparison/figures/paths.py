@@ -20,7 +20,7 @@ from brunovsky.comparison.figures.traces import (
     is_regulation,
     place_handles,
 )
-from brunovsky.comparison.metrics import Array, values
+from brunovsky.comparison.metrics import Array, error_names, values
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.study import Law, Scenario
 
@@ -69,7 +69,7 @@ def _span(runs: Sequence[Run], name: str) -> float:
 
 def path_of(run: Run) -> tuple[Array, Array, Array, Array]:
     """Positions of the robot and of its reference (x, y, xd, yd; m), without what diverged beyond all scales."""
-    x, y, e1, e2 = (values(run.trajectory, name) for name in ("x", "y", "e1[1]", "e2[1]"))
+    x, y, e1, e2 = (values(run.trajectory, name) for name in ("x", "y", *error_names(run.trajectory)))
     error = np.hypot(e1, e2)
     near = error <= (np.inf if run.ok else _AWAY * max(float(error[0]), 1.0))
     count = near.size if near.all() else int(np.argmin(near))

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from brunovsky.comparison import drawing
 from brunovsky.comparison.output import write_bytes, write_text
 from brunovsky.comparison.protocol_section import ProtocolSection
+from brunovsky.comparison.protocol_sections import protocol_sections, trial_tables
 from brunovsky.comparison.report.data import metrics_data
 from brunovsky.comparison.report.files import csv_text, trace_bytes, trace_name
 from brunovsky.comparison.report.page import render, report_content
@@ -75,7 +77,9 @@ def compare_study(
     comparison = run_study(loaded, engine=engine, folder=folder, progress=progress)
     if progress is not None:
         progress(len(comparison.runs), len(comparison.runs), "drawing the report")
-    return write_report(comparison, folder, pdf=pdf)
+    with drawing.settings():
+        sections = protocol_sections(comparison)
+    return write_report(comparison, folder, sections=sections, pdf=pdf)
 
 
 def write_report(
@@ -106,19 +110,20 @@ def write_report(
     page = render(content, "screen")
     metrics = json.dumps(metrics_data(comparison), indent=1, allow_nan=False) + "\n"
     printed = pdf_bytes(render(content, "paper")) if pdf else None
+    tables = (*content.tables, *trial_tables(comparison))
     traced = [run for run in comparison.runs if run.trajectory.sizes["time"]]
     written = ReportFiles(
         report=folder / "report.html",
         metrics=folder / "metrics.json",
         pdf=folder / "report.pdf" if printed is not None else None,
         traces=tuple(folder / trace_name(run) for run in traced),
-        tables=tuple(folder / "tables" / f"{table.name}.csv" for table in content.tables),
+        tables=tuple(folder / "tables" / f"{table.name}.csv" for table in tables),
     )
     for path in (folder, *(one.parent for one in (*written.traces, *written.tables))):
         path.mkdir(parents=True, exist_ok=True)
     for path, run in zip(written.traces, traced, strict=True):
         write_bytes(path, trace_bytes(comparison, run))
-    for path, table in zip(written.tables, content.tables, strict=True):
+    for path, table in zip(written.tables, tables, strict=True):
         write_text(path, csv_text(table))
     write_text(written.report, page)
     if written.pdf is not None and printed is not None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from brunovsky.comparison.claim import Claim
-from brunovsky.comparison.facts import given, joined
+from brunovsky.comparison.facts import CONVERGED, given, joined
 from brunovsky.comparison.features import features
 from brunovsky.comparison.run import Comparison
-from brunovsky.comparison.sensitivity import CONVERGED, converged
+from brunovsky.comparison.sensitivity import converged
 
 _LACKING = {
     "noise": "measurement noise",

@@ -14,7 +14,7 @@ from markupsafe import Markup
 from brunovsky.comparison import drawing, equations, figures
 from brunovsky.comparison.claim import Claim
 from brunovsky.comparison.claims import claims, examined
-from brunovsky.comparison.facts import given, joined, number
+from brunovsky.comparison.facts import CONVERGED, given, joined, number
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
 from brunovsky.comparison.report.data import agreement_data, metrics_table
@@ -25,7 +25,7 @@ from brunovsky.comparison.report.overall import overall_table
 from brunovsky.comparison.report.scenario import Picture, ScenarioSection, scenario_section
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
-from brunovsky.comparison.sensitivity import CONVERGED, MARK
+from brunovsky.comparison.sensitivity import MARK
 from brunovsky.comparison.study import Scenario
 
 Medium = Literal["screen", "paper"]

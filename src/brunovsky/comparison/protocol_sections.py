@@ -1,0 +1,129 @@
+"""Protocols that were run, as sections of a report: figure, table of estimates, findings; all trials as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from brunovsky.comparison import drawing
+from brunovsky.comparison.figures import worst_paths_figure
+from brunovsky.comparison.protocol_runs import Path, ProtocolRun
+from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
+from brunovsky.comparison.protocols import (
+    EqualEffort,
+    MonteCarlo,
+    Pareto,
+    Swept,
+    equal_effort_figure,
+    monte_carlo_figure,
+    pareto_figure,
+    swept_figure,
+)
+from brunovsky.comparison.run import Comparison
+
+_FIGURES: Mapping[type, Callable[..., Figure]] = {
+    Swept: swept_figure,
+    EqualEffort: equal_effort_figure,
+    Pareto: pareto_figure,
+    MonteCarlo: monte_carlo_figure,
+}
+
+
+def protocol_sections(comparison: Comparison) -> tuple[ProtocolSection, ...]:
+    """Sections of a report for the protocols of a study, in its order."""
+    titles = {law.name: law.title or law.name for law in comparison.study.laws}
+    found: list[ProtocolSection] = []
+    for index, one in enumerate(comparison.protocols, 1):
+        scenario = comparison.study.scenario(one.table.scenario)
+        found.append(_section(one, index, scenario.title, titles))
+        if one.worst:
+            found.append(_worst_section(one, index, titles))
+    return tuple(found)
+
+
+def trial_tables(comparison: Comparison) -> tuple[Table, ...]:
+    """All trials of all protocols, a row for each run, for CSV."""
+    return tuple(
+        table_of(f"protocol-{index}-trials", _trial_rows(one)) for index, one in enumerate(comparison.protocols, 1)
+    )
+
+
+def protocol_data(comparison: Comparison) -> list[dict[str, Any]]:
+    """Results of all protocols as plain data, for JSON."""
+    return [
+        {
+            "kind": one.table.kind,
+            "scenario": one.table.scenario,
+            "result": one.result.as_dict(),
+            "drawn": {key: list(values) for key, values in one.drawn.items()},
+            "agreement_with_native": [found.as_dict() for found in one.agreement],
+        }
+        for one in comparison.protocols
+    ]
+
+
+def table_of(name: str, rows: Sequence[Mapping[str, Any]], caption: str = "") -> Table:
+    """A table of rows that are mappings from heading to cell; a cell that a row lacks is undefined."""
+    columns = tuple(dict.fromkeys(key for row in rows for key in row))
+    return Table(name, columns, tuple(tuple(_cell(row.get(key)) for key in columns) for row in rows), caption)
+
+
+def _cell(value: Any) -> Cell:
+    return ("yes" if value else "no") if isinstance(value, bool) else value
+
+
+def _trial_rows(one: ProtocolRun) -> list[dict[str, Any]]:
+    drawn = one.drawn
+    return [{**row, **{key: values[int(row["case"])] for key, values in drawn.items()}} for row in one.result.rows()]
+
+
+def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, str]) -> ProtocolSection:
+    result, explanation = one.result, one.result.explanation
+    key = f"protocol-{index}"
+    figure = _FIGURES[type(result)](result, titles)
+    rows = result.summary_rows() if isinstance(result, MonteCarlo) else result.rows()
+    findings = tuple(result.findings())
+    return ProtocolSection(
+        title=f"{explanation.title}: {scenario}",
+        explanation=f"{explanation.holds_equal} What it cannot say: {explanation.cannot_say}",
+        figure_svg=drawing.svg(figure, key),
+        table=table_of(key, rows, f"{explanation.title}, “{scenario}”"),
+        findings=(*findings, *_agreement(one)),
+        caption=f"{explanation.title}, “{scenario}”.",
+        headline=findings[-1] if findings else "",
+    )
+
+
+def _agreement(one: ProtocolRun) -> list[str]:
+    """What the native simulation says of the trials that it repeated."""
+    known = [found.position for found in one.agreement if found.position is not None]
+    if not known:
+        return []
+    differing = [found.run for found in one.agreement if not found.agrees]
+    apart = "" if not differing else f"; {len(differing)} of them beyond what counts as agreement"
+    return [
+        f"The native simulation repeated {len(one.agreement)} of the trials; the two positions are at most "
+        f"{max(known):.2g} m apart{apart}."
+    ]
+
+
+def _worst_section(one: ProtocolRun, index: int, titles: Mapping[str, str]) -> ProtocolSection:
+    assert one.table.kind == "monte_carlo"
+    key, metric = f"protocol-{index}-worst", one.table.worst or ""
+    by_law: dict[str, list[Path]] = {}
+    for path in one.worst:
+        by_law.setdefault(path.law, []).append(path)
+    rows = [{"law": path.law, "case": path.case, metric: path.value} for path in one.worst]
+    most = max(map(len, by_law.values()))
+    return ProtocolSection(
+        title=f"The worst {most} cases of each law",
+        explanation=(
+            f"Cases in which {metric.replace('_', ' ')} is largest or undefined, as paths; failed runs come first. They "
+            "show what goes wrong, not how often."
+        ),
+        figure_svg=drawing.svg(worst_paths_figure(by_law, titles), key),
+        table=table_of(key, rows, "The cases drawn"),
+        caption=f"Paths of the worst cases by {metric.replace('_', ' ')}; a circle is the start, a cross the end.",
+    )
