@@ -120,8 +120,8 @@ def _worst_section(one: ProtocolRun, index: int, titles: Mapping[str, str]) -> P
     return ProtocolSection(
         title=f"The worst {most} cases of each law",
         explanation=(
-            f"Cases in which {metric.replace('_', ' ')} is largest or undefined, as paths; failed runs come first. They "
-            "show what goes wrong, not how often."
+            f"Cases in which {metric.replace('_', ' ')} is largest or undefined, as paths; failed runs come first. "
+            "They show what goes wrong, not how often."
         ),
         figure_svg=drawing.svg(worst_paths_figure(by_law, titles), key),
         table=table_of(key, rows, "The cases drawn"),
