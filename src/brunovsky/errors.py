@@ -27,6 +27,10 @@ class CompilerError(BrunovskyError):
     """No C compiler was found, or it failed; the message names the command and the remedy."""
 
 
+class ReportError(BrunovskyError):
+    """A report cannot be written in the form that was asked for."""
+
+
 class StudyError(BrunovskyError):
     """A study file cannot be used; the message names the file, the key and the remedy."""
 

@@ -16,7 +16,7 @@ from brunovsky.comparison import (
     write_analysis,
 )
 from brunovsky.comparison import analyze as module
-from brunovsky.comparison.keys import study_block
+from brunovsky.comparison.study.keys import study_block
 from brunovsky.errors import StudyError
 
 C, Q, P, PHI = (500.0, 10.0, 1.0), 5.0, 2.5, 0.05

@@ -8,12 +8,12 @@ import gc, sys
 from pathlib import Path
 import fmpy
 import brunovsky as br
-from brunovsky.comparison.engines import opened_fmu
-from brunovsky.comparison.study import PlannedRun
+from brunovsky.comparison.engines import opened_fmus
+from brunovsky.comparison.study import Loop, PlannedRun
 
 loop = Path(sys.argv[1], "loop.fmu")
 br.export_fmu(br.blocks.closed_loop(), loop)
-with opened_fmu(loop) as engine:
+with opened_fmus({Loop(): loop}) as engine:
     for start, status in ((0.0, "singular"), (0.5, "ok")):
         values = {"eta_min": 0.0, "eta_start[1]": start}
         outcome = engine.run(PlannedRun("a/b", "a", "b", 0.01, 1e-3, values, {}))

@@ -112,11 +112,10 @@ def test_metrics_json_keeps_its_contract(written, paper):
     assert [one["name"] for one in data["runs"]] == [one.name for one in paper.plan()]
     for run in data["runs"]:
         assert {"name", "law", "scenario", "metrics", "status", "status_time"} <= set(run)
-        assert set(run["step_sensitivity"]) == METRICS
+        assert METRICS <= set(run["step_sensitivity"]) == set(run["metrics"])
         assert run["name"] == f"{run['scenario']}/{run['law']}"
         assert run["status"] == "ok" and run["status_time"] is None
-        assert set(run["metrics"]) == METRICS
-        assert all(isinstance(value, float) for value in run["metrics"].values())
+        assert all(isinstance(run["metrics"][name], float) for name in METRICS)
     provenance = data["provenance"]
     assert provenance["engine"] == "native" and provenance["step_size"] == 1e-3
     assert provenance["study_sha256"] == paper.digest()

@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from brunovsky.comparison import load_study
-from brunovsky.comparison.keys import input_keys, parameter_keys, unit_suffix
+from brunovsky.comparison.study.keys import input_keys, parameter_keys, unit_suffix
 from brunovsky.errors import StudyError
 
 START = "x_start_m = 1.0"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from brunovsky.comparison.engines import RECORDED, Outcome
+from brunovsky.comparison.engines import Outcome
 from brunovsky.comparison.study import PlannedRun
 
 POSITION_TOLERANCE = 1e-9  # m; below it two engines agree for every purpose of a study
@@ -52,8 +52,9 @@ def cross_check(planned: PlannedRun, outcome: Outcome, native: Outcome) -> Agree
     """Compare a run with its native twin over the instants both reached."""
     count = min(one.trajectory.sizes["time"] for one in (outcome, native))
     pairs = {
-        name: [np.asarray(one.trajectory[name].values[:count], dtype=float) for one in (outcome, native)]
-        for name in RECORDED
+        str(name): [np.asarray(one.trajectory[name].values[:count], dtype=float) for one in (outcome, native)]
+        for name in native.trajectory.data_vars
+        if name in outcome.trajectory
     }
     differences = {name: float(np.max(np.abs(a - b))) for name, (a, b) in pairs.items()} if count else {}
     gap = [a - b for a, b in (pairs["x"], pairs["y"])]
@@ -70,8 +71,8 @@ def cross_check(planned: PlannedRun, outcome: Outcome, native: Outcome) -> Agree
 def _explanation(planned: PlannedRun, native: Outcome) -> str:
     if native.status.state == "diverged":
         return "the run diverges, and the differences with it"
-    relay = planned.parameters["P"] > 0.0 and planned.parameters["phi"] == 0.0
-    start = max(abs(float(native.trajectory[name][0])) for name in ("S[1]", "S[2]"))
-    if relay and start <= _ON_SURFACE:
+    relay = planned.parameters.get("P", 0.0) > 0.0 and planned.parameters.get("phi") == 0.0
+    starts = [abs(float(native.trajectory[name][0])) for name in ("S[1]", "S[2]") if name in native.trajectory]
+    if relay and starts and max(starts) <= _ON_SURFACE:
         return "the run starts on S = 0, where rounding picks the branch of the sign function"
     return ""

@@ -13,10 +13,10 @@ from brunovsky.analysis import ChatterRow, chatter_table
 from brunovsky.comparison.analyze_figures import analysis_figures
 from brunovsky.comparison.analyzed_loops import AnalyzedLaw, analyzed_laws
 from brunovsky.comparison.analyzed_runs import AnalyzedRun, analyzed_run
-from brunovsky.comparison.chatter_grid import ChatterGrid
 from brunovsky.comparison.output import plain, write_text
 from brunovsky.comparison.run import Progress, study_provenance
 from brunovsky.comparison.study import Study, load_study
+from brunovsky.comparison.study.chatter_grid import ChatterGrid
 from brunovsky.errors import ParameterError, StudyError
 
 

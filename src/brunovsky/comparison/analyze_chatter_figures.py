@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 
 from brunovsky.analysis import ChatterRow, SwitchingLoop, describing_function_plot, relay_locus_plot
 from brunovsky.comparison import drawing
-from brunovsky.comparison.chatter_grid import ChatterGrid
 from brunovsky.comparison.facts import given
+from brunovsky.comparison.study.chatter_grid import ChatterGrid
 
 if TYPE_CHECKING:
     from brunovsky.comparison.analyze import Analysis

@@ -20,7 +20,7 @@ from brunovsky.blocks import robot_linearization
 from brunovsky.comparison import drawing
 from brunovsky.comparison.analyze_chatter_figures import chatter_figures
 from brunovsky.comparison.analyze_loop_figures import Loops, gang_of_four_figure, loop_figure, step_response_figure
-from brunovsky.comparison.analyzed_loops import AnalyzedLaw, AnalyzedLoop
+from brunovsky.comparison.analyzed_loops import AnalyzedLaw, loops_by_name
 from brunovsky.comparison.facts import given
 from brunovsky.comparison.run import Progress
 
@@ -34,7 +34,7 @@ _SPEEDS = np.geomspace(0.01, 10.0, 13)  # m/s
 
 def analysis_figures(analysis: Analysis, progress: Progress | None = None) -> dict[str, str]:
     """SVG of each figure by its name: those of the laws, then those of the chatter grids."""
-    loops = named_loops(analysis)
+    loops = loops_by_name(analysis.laws)
     stable = {name: loop for name, loop in loops.items() if loop.stable}
     makers: dict[str, Callable[[], Figure]] = {
         "poles": lambda: _poles(loops),
@@ -61,19 +61,6 @@ def analysis_figures(analysis: Analysis, progress: Progress | None = None) -> di
     if progress is not None:
         progress(len(drawn), len(makers), "figures")
     return drawn
-
-
-def named_loops(analysis: Analysis) -> dict[str, AnalyzedLoop]:
-    """Linear loops of a study by a name for people, each gain once."""
-    found: dict[tuple[float, ...], tuple[str, AnalyzedLoop]] = {}
-    parts = {(law.C, law.Q) for law in analysis.laws}
-    for law in analysis.laws:
-        where = "" if len(parts) == 1 else f", C = [{', '.join(map(given, law.C))}], Q = {given(law.Q)}"
-        pairs = ((f"P = 0{where}", law.linear_part), (f"{law.law}, in its boundary layer{where}", law.boundary_layer))
-        for name, loop in pairs:
-            if loop is not None:
-                found.setdefault(tuple(loop.gain.tolist()), (name, loop))
-    return dict(found.values())
 
 
 def _poles(loops: Loops) -> Figure:

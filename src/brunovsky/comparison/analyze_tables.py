@@ -11,11 +11,10 @@ from rich.table import Table
 
 from brunovsky.analysis import ChatterRow, DiskMargin, Margins
 from brunovsky.comparison.analyze import Analysis
-from brunovsky.comparison.analyze_figures import named_loops
-from brunovsky.comparison.analyzed_loops import AnalyzedLoop
+from brunovsky.comparison.analyzed_loops import AnalyzedLoop, loops_by_name
 from brunovsky.comparison.analyzed_runs import ActuatorMargins, AnalyzedRun
-from brunovsky.comparison.chatter_grid import ChatterGrid
 from brunovsky.comparison.facts import given, number
+from brunovsky.comparison.study.chatter_grid import ChatterGrid
 from brunovsky.comparison.tables import MARGIN_ROWS, poles_text
 
 _STEP_ROWS = (("RiseTime", "rise time, s"), ("Overshoot", "overshoot, %"), ("SettlingTime", "settling time (2 %), s"))
@@ -34,7 +33,7 @@ def analysis_tables(analysis: Analysis) -> tuple[Table, ...]:
     tuple of rich.table.Table
         Laws, linear loops, margins at the actuators, runs, and one for each chatter grid.
     """
-    tables = [_laws(analysis), _loops(named_loops(analysis))]
+    tables = [_laws(analysis), _loops(loops_by_name(analysis.laws))]
     tables += [_actuators(analysis.runs), _reaching(analysis.runs), _singularity(analysis.runs), _bounds(analysis.runs)]
     tables += [_chatter(grid, rows) for grid, rows in analysis.grids]
     return tuple(table for table in tables if table.row_count)

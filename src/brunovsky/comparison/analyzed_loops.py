@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -25,6 +25,7 @@ from brunovsky.analysis import (
     step_information,
     surface_poles,
 )
+from brunovsky.comparison.facts import given
 from brunovsky.comparison.study import PlannedRun, Study
 from brunovsky.errors import ParameterError
 
@@ -139,6 +140,19 @@ def _law(study: Study, name: str, runs: list[PlannedRun]) -> AnalyzedLaw:
         linear_part=loops["linear_part"],
         boundary_layer=loops.get("boundary_layer"),
     )
+
+
+def loops_by_name(laws: Sequence[AnalyzedLaw]) -> dict[str, AnalyzedLoop]:
+    """Linear loops of laws by a name for people, each gain once."""
+    found: dict[tuple[float, ...], tuple[str, AnalyzedLoop]] = {}
+    parts = {(law.C, law.Q) for law in laws}
+    for law in laws:
+        where = "" if len(parts) == 1 else f", C = [{', '.join(map(given, law.C))}], Q = {given(law.Q)}"
+        pairs = ((f"P = 0{where}", law.linear_part), (f"{law.law}, in its boundary layer{where}", law.boundary_layer))
+        for name, loop in pairs:
+            if loop is not None:
+                found.setdefault(tuple(loop.gain.tolist()), (name, loop))
+    return dict(found.values())
 
 
 @lru_cache(maxsize=64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.study import Law, Scenario
@@ -14,22 +15,41 @@ PRINTED_P = 2.5  # and of the switching term
 Case = tuple[Scenario, dict[str, Run]]
 
 
+Verdict = Literal["confirmed", "confirmed under conditions", "contradicted", "not examined"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What the runs say about a claim, as far as they go: with what was run here, and no further.
+
+    Attributes
+    ----------
+    verdict : str
+        ``confirmed``, ``confirmed under conditions`` (which `shown` names) or ``contradicted``.
+    shown : str
+        What the runs show, with the numbers.
+    """
+
+    verdict: Verdict
+    shown: str
+
+
 @dataclass(frozen=True)
 class Claim:
-    """One claim of the paper.
+    """One claim of the paper, held against the runs of a study.
 
     Attributes
     ----------
     quote : str
         What the paper says.
     verdict : str
-        ``contradicted``, ``not seen``, ``in part`` or ``confirmed``.
+        That of the finding, or ``not examined`` where the runs cannot speak to it.
     shown : str
-        What the runs show.
+        What the runs show; for a claim that is not examined what it would take.
     """
 
     quote: str
-    verdict: str
+    verdict: Verdict
     shown: str
 
 

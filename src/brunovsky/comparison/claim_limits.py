@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from brunovsky.comparison.claim import Case, Claim, is_nominal, is_regulation
+from brunovsky.comparison.claim import Case, Finding, is_nominal, is_regulation
 from brunovsky.comparison.facts import change, given, joined, number, percent, spread, wrapped
+from brunovsky.comparison.features import features
 from brunovsky.comparison.findings_steady import HARDLY, ROUNDING
 from brunovsky.comparison.linear_part import within_bounds
 from brunovsky.comparison.run import Comparison, Run
@@ -16,19 +17,20 @@ AIMED = 0.1  # rad; a heading that ends this near to a wanted one counts as stab
 # half the step as not converged
 
 
-def robustness(comparison: Comparison, cases: list[Case]) -> Claim | None:
+def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
     """What disturbances and uncertainty do under the sign function and under pole placement."""
     kinds = {law.name: law.kind for law in comparison.study.laws}
     parts: list[str] = []
     rejected: list[bool] = []
     idle: list[str] = []
-    unmatched = False
+    unmatched, disturbed = False, 0
     for scenario, runs in cases:
         by_kind = {kinds[name]: run for name, run in runs.items()}
         linear, relay = by_kind.get("linear"), by_kind.get("sign")
         if linear is None or relay is None or is_nominal(linear):
             continue
         if any(linear.planned.inputs.values()):
+            disturbed += 1
             rejected.append(largest(relay, "rms_tail_error") < max(_least(linear) / 10.0, ROUNDING))
             parts.append(f"{scenario.title}: {_residuals(linear, relay)}")
             unmatched = unmatched or (bool(linear.planned.inputs["d[1]"]) and not rejected[-1])
@@ -41,18 +43,19 @@ def robustness(comparison: Comparison, cases: list[Case]) -> Claim | None:
             parts.append(f"{scenario.title}: {_slowed(linear, relay, slower, rejected[-1])}")
     if not parts:
         return None
-    verdict = "confirmed" if all(rejected) else "in part" if any(rejected) else "contradicted"
     text = f"{'; '.join(parts)}."
     if unmatched:
         text += " What enters the chains below v (unmatched) stays whatever the gain P, as long as z″ is computed from"
         text += " the model."
     if idle:
         text += f" Not counted, as it tests neither law (nil error, and hardly any delay, under both): {joined(idle)}."
-    return Claim(
-        "“The robustness is guaranteed in the presence of parameter uncertainty or unmodeled dynamics”",
-        verdict,
-        f"{text} Unmodelled dynamics are not in this study.",
-    )
+    dynamics = features(comparison.study) & {"lag", "delay"}
+    if not dynamics:
+        text += " Unmodelled dynamics are not in this study."
+    if not any(rejected):
+        return Finding("contradicted", text)
+    complete = all(rejected) and len(rejected) > disturbed and bool(dynamics)
+    return Finding("confirmed" if complete else "confirmed under conditions", text)
 
 
 def _least(run: Run) -> float:
@@ -99,7 +102,7 @@ def _slowed(linear: Run, relay: Run, slower: dict[str, float], rejected: bool) -
     return f"{text}: a matched error of the gain, against which P does not help"
 
 
-def orientation(comparison: Comparison, cases: list[Case]) -> Claim | None:
+def orientation(comparison: Comparison, cases: list[Case]) -> Finding | None:
     """What another initial heading changes, where two scenarios differ in nothing else."""
     for index, (scenario, runs) in enumerate(cases):
         for other, others in cases[index + 1 :]:
@@ -117,7 +120,7 @@ def _differ_in_heading(run: Run, twin: Run) -> bool:
     return a == b and run.planned.duration == twin.planned.duration and run.planned.inputs == twin.planned.inputs
 
 
-def _turned(run: Run, twin: Run, law: str) -> Claim:
+def _turned(run: Run, twin: Run, law: str) -> Finding:
     name = "peak_yaw_acceleration"
     ratios = [
         max(a, b) / max(min(a, b), 1e-12) for a, b in zip(both(run, name), both(twin, name), strict=True) if a and b
@@ -129,15 +132,10 @@ def _turned(run: Run, twin: Run, law: str) -> Claim:
         f"of {told(run, name)} rad/s², as the speed falls to {told(twin, 'min_speed')} m/s"
     )
     text += f"; the settling time changes by {percent(apart)}." if apart is not None else "."
-    return Claim(
-        "“the impact of the initial orientation on trajectory tracking, which greatly influences the subsequent robot "
-        "behavior”",
-        "confirmed" if min(ratios, default=0.0) > 2.0 else "not seen",
-        text,
-    )
+    return Finding("confirmed" if min(ratios, default=0.0) > 2.0 else "contradicted", text)
 
 
-def heading(comparison: Comparison, cases: list[Case]) -> Claim | None:
+def heading(comparison: Comparison, cases: list[Case]) -> Finding | None:
     """Whether the heading ends where it began, from the runs whose final heading is converged."""
     runs = [run for _, found in cases for run in found.values() if is_regulation(run)]
     sure = [run for run in runs if heading_converged(run)]
@@ -153,11 +151,7 @@ def heading(comparison: Comparison, cases: list[Case]) -> Claim | None:
     if len(sure) < len(runs):
         laws = joined(sorted({f"“{run.planned.law}”" for run in runs if run not in sure}))
         text += f"; under {laws} where it ends is not converged with the step, and not counted"
-    return Claim(
-        "“only position is stabilized to the desired values and not the orientation”",
-        "confirmed" if max(away) > AIMED else "not seen",
-        f"{text}.",
-    )
+    return Finding("confirmed" if max(away) > AIMED else "contradicted", f"{text}.")
 
 
 def heading_converged(run: Run) -> bool:
@@ -175,7 +169,7 @@ def _turns(run: Run) -> float:
     return (facts_of(run).heading_end - facts_of(run).heading_start) / (2.0 * math.pi)
 
 
-def stabilization(comparison: Comparison, cases: list[Case]) -> Claim | None:
+def stabilization(comparison: Comparison, cases: list[Case]) -> Finding | None:
     """Whether the printed law can bring the robot to rest, and how much of a run the guard stands in for it."""
     runs = [run for _, found in cases for run in found.values() if is_regulation(run)]
     if not runs or max(facts_of(run).guarded_share for run in runs) == 0.0:
@@ -185,9 +179,8 @@ def stabilization(comparison: Comparison, cases: list[Case]) -> Claim | None:
     settled = all(run.metrics.settling_time is not None for run in runs)
     shares = [100.0 * facts_of(run).guarded_share for run in runs]
     tested = "One target was tested" if targets == 1 else f"{targets} targets were tested"
-    return Claim(
-        "“stabilization to any point in the phase plane”",
-        "in part" if settled else "contradicted",
+    return Finding(
+        "confirmed under conditions" if settled else "contradicted",
         f"{tested}. The robot does {'come' if settled else 'not always come'} to rest there, but rest is the "
         f"singularity of the law: for {spread(shares, '%', 2)} of the run a guard (|η₁| ≤ {limits}) stands in for the "
         "printed law, which can neither stop nor start.",

@@ -4,29 +4,95 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from brunovsky.comparison import claim_limits, claim_performance
-from brunovsky.comparison.claim import Case, Claim
+from brunovsky.comparison import claim_limits, claim_performance, claim_starts
+from brunovsky.comparison.claim import Case, Claim, Finding
+from brunovsky.comparison.facts import joined
 from brunovsky.comparison.run import Comparison
 
-__all__ = ["Claim", "claims"]
+__all__ = ["Claim", "claims", "examined"]
 
-_TESTS: tuple[Callable[[Comparison, list[Case]], Claim | None], ...] = (
-    claim_performance.convergence,
-    claim_performance.errors,
-    claim_performance.chattering,
-    claim_performance.smoothness,
-    claim_limits.robustness,
-    claim_limits.orientation,
-    claim_limits.heading,
-    claim_limits.stabilization,
+Test = Callable[[Comparison, list[Case]], Finding | None]
+
+_FROM_PLAIN = "pole placement and a sliding mode in the same scenario"
+# What the paper says, what it takes to examine it, and the test.
+_TESTS: tuple[tuple[str, str, Test], ...] = (
+    (
+        "“the improvement of the trajectory tracking and the stabilization process”, “the convergence itself, its "
+        "rate”",
+        f"{_FROM_PLAIN}, without disturbance, with settling times that are converged with the step",
+        claim_performance.convergence,
+    ),
+    (
+        "“good performances concerning […] the steady state errors”",
+        f"{_FROM_PLAIN}, along a trajectory and without disturbance",
+        claim_performance.errors,
+    ),
+    (
+        "chattering “is considerably reduced, particularly for the first control input u1”",
+        "pole placement and the sign function in the same scenario, along a trajectory and without disturbance",
+        claim_performance.chattering,
+    ),
+    (
+        "“satisfactory in terms of applicability of the method to both stabilization, and tracking convergence and "
+        "control smoothness”",
+        "a scenario that stands for a figure of the paper, with a run that reaches its end",
+        claim_performance.smoothness,
+    ),
+    (
+        "“The robustness is guaranteed in the presence of parameter uncertainty or unmodeled dynamics”",
+        "pole placement and the sign function in the same scenario, with a disturbance or with uncertainty that tells",
+        claim_limits.robustness,
+    ),
+    (
+        "“SMC is robust against external disturbance and noise”, as to noise",
+        "pole placement and a sliding mode in the same scenario with measurement noise",
+        claim_starts.noise,
+    ),
+    (
+        "“Important errors introduced in the initial conditions show the strength of convergence in different cases”",
+        "sliding mode from at least two starts, without disturbance",
+        claim_starts.starts,
+    ),
+    (
+        "“the impact of the initial orientation on trajectory tracking, which greatly influences the subsequent robot "
+        "behavior”",
+        "two scenarios that differ in the initial heading alone",
+        claim_limits.orientation,
+    ),
+    (
+        "“only position is stabilized to the desired values and not the orientation”",
+        "regulation to a point, with a final heading that is converged with the step",
+        claim_limits.heading,
+    ),
+    (
+        "“stabilization to any point in the phase plane”",
+        "regulation to a point",
+        claim_limits.stabilization,
+    ),
 )
 
 
 def claims(comparison: Comparison) -> list[Claim]:
-    """Claims of the paper that the runs of this study can speak to."""
+    """All claims of the paper, each with what the runs of this study say to it; in the order of the paper's quotes."""
     cases: list[Case] = []
     for scenario in comparison.study.scenarios:
         good = {name: run for name, run in comparison.of(scenario).items() if run.ok}
         if good:
             cases.append((scenario, good))
-    return [claim for claim in (test(comparison, cases) for test in _TESTS) if claim is not None]
+    failed = [run.planned.name for run in comparison.runs if not run.ok]
+    return [_claim(quote, needs, test(comparison, cases), failed) for quote, needs, test in _TESTS]
+
+
+def examined(found: list[Claim]) -> list[Claim]:
+    """Claims that the runs speak to."""
+    return [claim for claim in found if claim.verdict != "not examined"]
+
+
+def _claim(quote: str, needs: str, finding: Finding | None, failed: list[str]) -> Claim:
+    """A claim with its finding; where runs failed it is confirmed under the condition that a run ends at all."""
+    if finding is None:
+        return Claim(quote, "not examined", f"It would take {needs}.")
+    if not failed:
+        return Claim(quote, finding.verdict, finding.shown)
+    verdict = "confirmed under conditions" if finding.verdict == "confirmed" else finding.verdict
+    return Claim(quote, verdict, f"{finding.shown} Runs that failed are not in these numbers: {joined(failed)}.")

@@ -6,11 +6,13 @@ import io
 import itertools
 import re
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
@@ -35,7 +37,9 @@ SETTINGS: Any = {
     "path.simplify": True,
     "path.simplify_threshold": 0.2,
 }
+_GRID = 216.0  # strokes an inch that are told apart in a phase portrait
 BINS = 500  # of the thinning; two values a bin
+_DECIMALS = re.compile(r"-?\d+\.\d{3,}")
 _FEW = 1e3  # ratio of the ends of a logarithmic axis with few powers of ten
 LARGEST = 1e12  # what a run that diverged is drawn up to
 
@@ -98,11 +102,11 @@ def limit_decades(axes: Axes, lowest: float, highest: float, most: int = 6) -> N
     step = -(-(high - low) // most)
     axes.set_yscale("log")
     axes.set_ylim(10.0**low, 10.0**high)
-    _set_ticks(axes, [10.0**k for k in range(high, low - 1, -step)])
+    _set_ticks(axes.yaxis, [10.0**k for k in range(high, low - 1, -step)])
 
 
 def signed_decades(axes: Axes, linear: float, at_least: float, most: int = 2) -> None:
-    """Axis about zero for what is drawn: logarithmic on both sides beyond `linear`, or linear where that is enough.
+    """Vertical axis about zero for what is drawn: logarithmic on both sides beyond `linear`, or linear if that will do.
 
     Parameters
     ----------
@@ -117,15 +121,48 @@ def signed_decades(axes: Axes, linear: float, at_least: float, most: int = 2) ->
     """
     drawn = [np.asarray(line.get_ydata(), dtype=float) for line in axes.get_lines()]
     peak = max([at_least, *(float(np.max(np.abs(one))) for one in drawn if one.size)])
-    low, high = int(np.round(np.log10(linear))), int(np.ceil(np.log10(peak)))
+    signed_scale(axes, "y", linear, peak, most)
+
+
+def signed_scale(axes: Axes, which: str, linear: float, peak: float, most: int = 2) -> None:
+    """The same for the axis "x" or "y" and what reaches up to `peak`."""
+    axis, limit = (axes.xaxis, axes.set_xlim) if which == "x" else (axes.yaxis, axes.set_ylim)
+    low, high = round(np.log10(linear)), int(np.ceil(np.log10(peak)))
     if high - low <= 1:
-        axes.set_ylim(-1.2 * peak, 1.2 * peak)
+        limit(-1.2 * peak, 1.2 * peak)
         return
     step = -(-(high - low) // most)
     ticks = [10.0**k for k in range(high, low, -step)]
-    axes.set_yscale("symlog", linthresh=10.0**low, linscale=0.6)
-    axes.set_ylim(-(10.0**high), 10.0**high)
-    _set_ticks(axes, [*(-tick for tick in ticks), 0.0, *reversed(ticks)])
+    (axes.set_xscale if which == "x" else axes.set_yscale)("symlog", linthresh=10.0**low, linscale=0.6)
+    limit(-(10.0**high), 10.0**high)
+    _set_ticks(axis, [*(-tick for tick in ticks), 0.0, *reversed(ticks)])
+
+
+def drawn_once(axes: Axes, x: Array, y: Array) -> tuple[Array, Array]:
+    """A curve of a plane on axes with their final limits, without the strokes that only repeat earlier ones.
+
+    A stroke joins two points of a grid with a width of a third of a point (1/72 inch); where one is left out, the curve
+    is broken by not-a-number.
+    """
+    points = axes.transData.transform(np.column_stack((x, y)))
+    cells = np.round(points * (_GRID / axes.figure.dpi)).astype(np.int64)
+    moved = np.concatenate(([True], np.any(cells[1:] != cells[:-1], axis=1)))
+    cells, x, y = cells[moved], x[moved], y[moved]
+    strokes = np.sort(np.stack((cells[:-1], cells[1:]), axis=1).reshape(-1, 2, 2), axis=1).reshape(-1, 4)
+    keep = np.zeros(len(strokes), dtype=bool)
+    keep[np.unique(strokes, axis=0, return_index=True)[1]] = True
+    gap = np.array([np.nan])
+    xs, ys = [x[:1]], [y[:1]]
+    for begin, end in _stretches(keep):
+        xs += [gap, x[begin : end + 1]]
+        ys += [gap, y[begin : end + 1]]
+    return np.concatenate(xs), np.concatenate(ys)
+
+
+def _stretches(keep: Any) -> list[tuple[int, int]]:
+    """Begin and end of each run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], keep.astype(int), [0]))))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
 def plain_decades(figure: Figure) -> None:
@@ -142,11 +179,11 @@ def plain_decades(figure: Figure) -> None:
                 axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
 
 
-def _set_ticks(axes: Axes, ticks: list[float]) -> None:
+def _set_ticks(axis: Axis, ticks: list[float]) -> None:
     """Ticks at powers of ten, as plain text: typeset ones take most of the time of a figure."""
-    axes.yaxis.set_major_locator(FixedLocator(ticks))
-    axes.yaxis.set_major_formatter(FixedFormatter([power_of_ten(one) for one in ticks]))
-    axes.yaxis.set_minor_locator(NullLocator())
+    axis.set_major_locator(FixedLocator(ticks))
+    axis.set_major_formatter(FixedFormatter([power_of_ten(one) for one in ticks]))
+    axis.set_minor_locator(NullLocator())
 
 
 def settings() -> Any:
@@ -154,8 +191,18 @@ def settings() -> Any:
     return matplotlib.rc_context(SETTINGS)
 
 
-def svg(figure: Figure, key: str) -> str:
-    """Figure as an SVG element whose ids begin with `key`, the same bytes for the same figure."""
+def svg(figure: Figure, key: str, title: str = "") -> str:
+    """Figure as an SVG element whose ids begin with `key`, the same bytes for the same figure.
+
+    Parameters
+    ----------
+    figure : Figure
+        Lengths in it are rounded to a hundredth of a point.
+    key : str
+        Of its own on the page.
+    title : str
+        What a screen reader says of it.
+    """
     buffer = io.StringIO()
     write: Any = FigureCanvasSVG(figure).print_svg
     write(buffer, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
@@ -164,4 +211,15 @@ def svg(figure: Figure, key: str) -> str:
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
     text = re.sub(r' xmlns:(?:cc|dc|rdf)="[^"]*"', "", text)
     text = re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{key}-", text)
-    return text.strip()
+    text = re.sub(r' d="[^"]*"', lambda path: _DECIMALS.sub(_rounded, path[0]), text)
+    return described(text.strip(), title) if title else text.strip()
+
+
+def described(text: str, title: str) -> str:
+    """SVG element with what a screen reader says of it, unless it says something already."""
+    opening = text[: text.index(">")]
+    return text if "aria-label" in opening else text.replace("<svg", f'<svg role="img" aria-label="{escape(title)}"', 1)
+
+
+def _rounded(match: re.Match[str]) -> str:
+    return f"{float(match[0]):.2f}".rstrip("0").rstrip(".")

@@ -14,6 +14,7 @@ from brunovsky.comparison.metrics import instants, position_error, settling_time
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+CONVERGED = 0.01  # relative change at half the step up to which a number counts as converged
 FINER = {"settling_1mm": 1e-3, "settling_100um": 1e-4}  # m; settling beyond the 1 cm of the metrics
 
 
@@ -67,7 +68,7 @@ def compute_facts(data: xr.Dataset) -> Facts:
     """Facts of a run that reached its end, from its trajectory."""
     time, error = instants(data), position_error(data)
     speed, turning, u1, u2, theta = (values(data, name) for name in ("eta[1]", "eta[2]", "u[1]", "u[2]", "theta"))
-    guarded = values(data, "singular") > 0.0
+    guarded = values(data, "singular") > 0.0 if "singular" in data else np.zeros(len(time), dtype=bool)
     last = tail(time)
     duration = float(time[-1] - time[last][0])
     settled = settling_time(time, error)

@@ -1,7 +1,7 @@
 """Metrics of one run, as pure functions of its trajectory.
 
 Integrals are trapezoidal sums over the recorded instants, which are the internal steps. The position error is the
-distance between the robot and its reference. Everything is in SI units.
+distance between the robot and its reference. Everything is in SI units; `definitions.py` says what each metric is.
 """
 
 from __future__ import annotations
@@ -13,7 +13,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from brunovsky.comparison.chatter_metrics import Chatter, chatter
+
 SETTLED = 0.01  # m; the position error below which a run counts as settled
+REACHED = 0.01  # m/s2; the least band about S = 0 that counts as reached: no sampled relay holds S at zero
 TAIL = 0.75  # the last quarter begins at this part of the duration
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -39,6 +42,26 @@ class Metrics:
         Integrals of the squares of u1 (m2/s3) and u2 (rad2/s3).
     total_variation_u1, total_variation_u2 : float
         Sums of absolute changes from one internal step to the next (m/s2, rad/s2).
+    min_speed_moving : float or None
+        Smallest abs(eta1) while there is somewhere to go (m/s): all along if the reference moves by more than 1 cm,
+        otherwise until the settling time.
+    peak_forward_acceleration : float
+        Largest abs(u1) (m/s2).
+    rms_u1, rms_u2 : float
+        Root mean squares over the duration (m/s2, rad/s2).
+    effort_v : float or None
+        Integral of v1^2 + v2^2 (m2/s5).
+    reaching_time : float or None
+        Last time max(abs(S1), abs(S2)) exceeds the boundary layer, at least 0.01 m/s2 (s); 0 if it never does, None if
+        it still does at the end.
+    sliding_band : float or None
+        Largest abs(S1), abs(S2) in the last quarter (m/s2).
+    chatter_frequency, chatter_amplitude : float or None
+        Mean angular frequency (rad/s) and half range (m/s2) of S in the last quarter; None where it does not chatter.
+    chatter_amplitude_u1, chatter_amplitude_u2 : float or None
+        Half ranges of u1 (m/s2) and u2 (rad/s2) within a period of the chatter.
+    chatter_samples : float or None
+        Recorded instants in a period of the chatter.
     """
 
     iae: float | None = None
@@ -54,45 +77,110 @@ class Metrics:
     effort_u2: float | None = None
     total_variation_u1: float | None = None
     total_variation_u2: float | None = None
+    min_speed_moving: float | None = None
+    peak_forward_acceleration: float | None = None
+    rms_u1: float | None = None
+    rms_u2: float | None = None
+    effort_v: float | None = None
+    reaching_time: float | None = None
+    sliding_band: float | None = None
+    chatter_frequency: float | None = None
+    chatter_amplitude: float | None = None
+    chatter_amplitude_u1: float | None = None
+    chatter_amplitude_u2: float | None = None
+    chatter_samples: float | None = None
 
     def as_dict(self) -> dict[str, float | None]:
         """The same by name, ready for JSON."""
         return asdict(self)
 
 
-def compute_metrics(trajectory: xr.Dataset) -> Metrics:
+def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None) -> Metrics:
     """Metrics of a complete trajectory.
 
     Parameters
     ----------
     trajectory : xarray.Dataset
         ``e1[1]``, ``e2[1]``, ``eta[1]``, ``u[1]`` and ``u[2]`` over ``time`` (at least two instants, at the internal
-        steps).
+        steps); ``x``, ``y``, ``S[1]``, ``S[2]``, ``v[1]`` and ``v[2]`` for the metrics that are made of them, which
+        are None without.
+    layer : float, optional
+        Half-width phi of the boundary layer (m/s2), 0 for a relay; None for a law that does not switch, which can't
+        chatter.
     """
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = _of_motion(trajectory) | _of_jerk(trajectory) | _of_switching(trajectory, layer)
+    return Metrics(**{name: _finite(value) for name, value in found.items()})
+
+
+def _of_motion(trajectory: xr.Dataset) -> dict[str, float | None]:
     time, error = instants(trajectory), position_error(trajectory)
     speed = np.abs(values(trajectory, "eta[1]"))
     u1, u2 = values(trajectory, "u[1]"), values(trajectory, "u[2]")
-    with np.errstate(over="ignore"):
-        found = _metrics(time, error, speed, u1, u2)
-    return Metrics(**{name: _finite(value) for name, value in found.as_dict().items()})
+    settled = settling_time(time, error)
+    return {
+        "iae": integral(time, error),
+        "ise": integral(time, error**2),
+        "itae": integral(time, time * error),
+        "settling_time": settled,
+        "final_error": float(error[-1]),
+        "rms_tail_error": root_mean_square(error[tail(time)]),
+        "peak_speed": float(np.max(speed)),
+        "min_speed": float(np.min(speed)),
+        "peak_yaw_acceleration": float(np.max(np.abs(u2))),
+        "effort_u1": integral(time, u1**2),
+        "effort_u2": integral(time, u2**2),
+        "total_variation_u1": total_variation(u1),
+        "total_variation_u2": total_variation(u2),
+        "min_speed_moving": _min_speed_moving(trajectory, time, speed, settled),
+        "peak_forward_acceleration": float(np.max(np.abs(u1))),
+        "rms_u1": rms_over_time(time, u1),
+        "rms_u2": rms_over_time(time, u2),
+    }
 
 
-def _metrics(time: Array, error: Array, speed: Array, u1: Array, u2: Array) -> Metrics:
-    return Metrics(
-        iae=integral(time, error),
-        ise=integral(time, error**2),
-        itae=integral(time, time * error),
-        settling_time=settling_time(time, error),
-        final_error=float(error[-1]),
-        rms_tail_error=root_mean_square(error[tail(time)]),
-        peak_speed=float(np.max(speed)),
-        min_speed=float(np.min(speed)),
-        peak_yaw_acceleration=float(np.max(np.abs(u2))),
-        effort_u1=integral(time, u1**2),
-        effort_u2=integral(time, u2**2),
-        total_variation_u1=total_variation(u1),
-        total_variation_u2=total_variation(u2),
-    )
+def _min_speed_moving(trajectory: xr.Dataset, time: Array, speed: Array, settled: float | None) -> float | None:
+    if "x" not in trajectory or "y" not in trajectory:
+        return None
+    pairs = zip(("x", "y"), _errors(trajectory), strict=True)
+    extents = [np.ptp(values(trajectory, own) - values(trajectory, off)) for own, off in pairs]
+    moves = max(extents) > SETTLED
+    return float(np.min(speed if moves or settled is None else speed[time <= settled]))
+
+
+def _of_jerk(trajectory: xr.Dataset) -> dict[str, float | None]:
+    if "v[1]" not in trajectory or "v[2]" not in trajectory:
+        return {}
+    squares = values(trajectory, "v[1]") ** 2 + values(trajectory, "v[2]") ** 2
+    return {"effort_v": integral(instants(trajectory), squares)}
+
+
+def _of_switching(trajectory: xr.Dataset, layer: float | None) -> dict[str, float | None]:
+    if "S[1]" not in trajectory or "S[2]" not in trajectory:
+        return {}
+    time, last = instants(trajectory), tail(instants(trajectory))
+    surfaces = [values(trajectory, "S[1]"), values(trajectory, "S[2]")]
+    largest = np.max(np.abs(surfaces), axis=0)
+    found = {
+        "reaching_time": settling_time(time, largest, max(layer or 0.0, REACHED)),
+        "sliding_band": float(np.max(largest[last])),
+    }
+    if layer is None:
+        return found
+    inputs = [values(trajectory, name)[last] for name in ("u[1]", "u[2]")]
+    return found | _of_chatter(chatter(time[last], [S[last] for S in surfaces], inputs, layer))
+
+
+def _of_chatter(found: Chatter | None) -> dict[str, float | None]:
+    if found is None:
+        return {}
+    return {
+        "chatter_frequency": found.frequency,
+        "chatter_amplitude": found.amplitude,
+        "chatter_amplitude_u1": found.inputs[0],
+        "chatter_amplitude_u2": found.inputs[1],
+        "chatter_samples": found.samples,
+    }
 
 
 def values(trajectory: xr.Dataset, name: str) -> Array:
@@ -107,7 +195,14 @@ def instants(trajectory: xr.Dataset) -> Array:
 
 def position_error(trajectory: xr.Dataset) -> Array:
     """Distance between the robot and its reference at each instant, m."""
-    return np.hypot(values(trajectory, "e1[1]"), values(trajectory, "e2[1]"))
+    first, second = _errors(trajectory)
+    return np.hypot(values(trajectory, first), values(trajectory, second))
+
+
+def _errors(trajectory: xr.Dataset) -> tuple[str, str]:
+    """Names of the position errors: the true ones, where the loop's own are as it measures them."""
+    true = ("position_error[1]", "position_error[2]")
+    return true if true[0] in trajectory else ("e1[1]", "e2[1]")
 
 
 def integral(time: Array, signal: Array) -> float:
@@ -133,6 +228,12 @@ def tail(time: Array) -> slice:
 def root_mean_square(signal: Array) -> float:
     """Root of the mean of the squares."""
     return float(np.sqrt(np.mean(signal**2)))
+
+
+def rms_over_time(time: Array, signal: Array) -> float | None:
+    """Root of the integral of the square over the duration; None where there is no duration."""
+    duration = float(time[-1] - time[0])
+    return math.sqrt(integral(time, signal**2) / duration) if duration > 0.0 else None
 
 
 def total_variation(signal: Array) -> float:

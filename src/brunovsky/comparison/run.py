@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import platform
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -16,11 +16,12 @@ import xarray as xr
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.agreement import Agreement, cross_check
-from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, Status, check_outcome, opened_fmu
+from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, Status, check_outcome, opened_fmus
 from brunovsky.comparison.facts import Facts, compute_facts
-from brunovsky.comparison.keys import study_block
 from brunovsky.comparison.metrics import Metrics, compute_metrics
-from brunovsky.comparison.study import EngineName, Law, PlannedRun, Scenario, Study
+from brunovsky.comparison.protocol_runs import ProtocolRun, run_protocol
+from brunovsky.comparison.protocols import step_sensitive_metrics
+from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
 
 Progress = Callable[[int, int, str], None]
 _PACKAGES = ("brunovsky", "numpy", "sympy", "control", "xarray", "matplotlib")
@@ -92,12 +93,15 @@ class Comparison:
         Scenario by scenario, law by law.
     provenance : mapping
         Versions, engine, FMU and when it was made.
+    protocols : tuple of ProtocolRun
+        In the order of the study.
     """
 
     study: Study
     engine: str
     runs: tuple[Run, ...]
     provenance: Mapping[str, Any]
+    protocols: tuple[ProtocolRun, ...] = ()
 
     def of(self, scenario: Scenario) -> dict[str, Run]:
         """Runs of one scenario by law."""
@@ -139,60 +143,91 @@ def run_study(
     """
     report = progress or (lambda done, total, what: None)
     plan = study.plan()
-    native = NativeSimulation(study_block())
+    native = NativeSimulation()
     chosen = engine or study.engine
-    with _engine(chosen, native, folder, fmu, lambda: report(0, len(plan), "building the FMU")) as simulator:
+    with _engine(chosen, native, plan, folder, fmu, lambda what: report(0, len(plan), what)) as simulator:
         runs = []
         for index, planned in enumerate(plan):
             report(index, len(plan), planned.name)
             runs.append(_run(planned, simulator, native))
+        protocols = _protocols(study, runs, simulator, native, report)
         report(len(plan), len(plan), "runs")
         provenance = study_provenance(study, **simulator.provenance(), step_size=study.step_size_s)
-    return Comparison(study, chosen, tuple(runs), FrozenMapping(provenance))
+    return Comparison(study, chosen, tuple(runs), FrozenMapping(provenance), protocols)
+
+
+def _protocols(
+    study: Study, runs: Sequence[Run], engine: Engine, native: NativeSimulation, report: Progress
+) -> tuple[ProtocolRun, ...]:
+    done = []
+    for table in study.protocols:
+        pairs = [one for one in runs if one.planned.scenario == table.scenario and one.half_step is not None]
+        sensitive = step_sensitive_metrics(
+            [one.metrics.as_dict() for one in pairs],
+            [one.half_step.metrics.as_dict() for one in pairs if one.half_step is not None],
+        )
+
+        def count(trial: int, kind: str = table.kind) -> None:
+            report(len(runs), len(runs), f"{kind.replace('_', ' ')}: trial {trial + 1}")
+
+        done.append(run_protocol(study, table, engine, native, sensitive, count))
+    return tuple(done)
 
 
 def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
-    outcome = check_outcome(engine.run(planned))
-    agreement = None if engine is native else cross_check(planned, outcome, check_outcome(native.run(planned)))
-    metrics, facts = _measured(outcome)
+    outcome = check_outcome(engine.run(planned), planned)
+    agreement = None if engine is native else cross_check(planned, outcome, check_outcome(native.run(planned), planned))
+    metrics, facts = _measured(planned, outcome)
     half = _half_step(planned, native) if facts is not None else None
     return Run(planned, outcome.trajectory, outcome.status, metrics, agreement, facts, half)
 
 
 def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:
     finer = replace(planned, step_size=0.5 * planned.step_size)
-    return HalfStep(*_measured(check_outcome(native.run(finer))))
+    return HalfStep(*_measured(finer, check_outcome(native.run(finer), finer)))
 
 
-def _measured(outcome: Outcome) -> tuple[Metrics, Facts | None]:
+def _measured(planned: PlannedRun, outcome: Outcome) -> tuple[Metrics, Facts | None]:
     if outcome.status.state != "ok":
         return Metrics(), None
-    return compute_metrics(outcome.trajectory), compute_facts(outcome.trajectory)
+    return compute_metrics(outcome.trajectory, layer=planned.layer), compute_facts(outcome.trajectory)
 
 
 @contextlib.contextmanager
 def _engine(
     name: EngineName,
     native: NativeSimulation,
+    plan: Sequence[PlannedRun],
     folder: str | Path | None,
     fmu: str | Path | None,
-    building: Callable[[], None],
+    building: Callable[[str], None],
 ) -> Iterator[Engine]:
     if name == "native":
         yield native
         return
+    loops = dict.fromkeys(one.loop for one in plan)
     with contextlib.ExitStack() as stack:
         if fmu is None:
-            from brunovsky.fmi import export_fmu
-
-            building()
             target = Path(folder) if folder is not None else Path(stack.enter_context(tempfile.TemporaryDirectory()))
-            path = target / "fmus" / f"{native.block.name}.fmu"
-            path.parent.mkdir(parents=True, exist_ok=True)
-            export_fmu(native.block, path, fmi_version=2, platforms=("host",))
+            paths = _built(loops, target / "fmus", building)
         else:
-            path = Path(fmu)
-        yield stack.enter_context(opened_fmu(path))
+            paths = dict.fromkeys(loops, Path(fmu))
+        yield stack.enter_context(opened_fmus(paths))
+
+
+def _built(loops: Iterable[Loop], folder: Path, building: Callable[[str], None]) -> dict[Loop, Path]:
+    """FMUs of loops; a name that several have is numbered."""
+    from brunovsky.fmi import export_fmu
+
+    folder.mkdir(parents=True, exist_ok=True)
+    paths: dict[Loop, Path] = {}
+    for loop in loops:
+        stem = loop.block.name if loop.controller == "sliding_mode" else f"{loop.block.name}_{loop.controller}"
+        same = sum(path.stem.startswith(stem) for path in paths.values())
+        paths[loop] = folder / f"{stem}{f'_{same + 1}' if same else ''}.fmu"
+        building(f"building {paths[loop].stem}")
+        export_fmu(loop.block, paths[loop], fmi_version=2, platforms=("host",))
+    return paths
 
 
 def study_provenance(study: Study, **more: Any) -> dict[str, Any]:

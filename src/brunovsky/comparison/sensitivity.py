@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from brunovsky.comparison.facts import Facts, change, number
+from brunovsky.comparison.facts import CONVERGED, Facts, change, number
 from brunovsky.comparison.run import Run
 
-CONVERGED = 0.01  # relative change at half the step up to which a number counts as converged
 ALIKE = 0.1  # relative change at half the step up to which a difference between two laws is told
 MARK = "≈\u00a0"  # before a number that is not
 

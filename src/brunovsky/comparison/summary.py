@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from brunovsky.comparison.claims import claims
+from brunovsky.comparison.facts import CONVERGED
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.run import Comparison
-from brunovsky.comparison.sensitivity import CONVERGED, MARK
+from brunovsky.comparison.sensitivity import MARK
 from brunovsky.comparison.tables import conditions, footnote, metric_rows
 
 _KEPT = ("settling time", "RMS position error", "largest", "smallest", "total variation")

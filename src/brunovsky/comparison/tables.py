@@ -5,28 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from brunovsky.comparison.facts import given, joined, number, percent
+from brunovsky.comparison.definitions import CONTRACT_METRICS
+from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
 from brunovsky.comparison.run import Run
-from brunovsky.comparison.sensitivity import CONVERGED, MARK, both, converged, sensitivity, told
+from brunovsky.comparison.sensitivity import MARK, both, converged, sensitivity, told
 
-METRIC_ROWS = (
-    ("settling_time", "settling time (position error > 1 cm until)", "s"),
-    ("settling_1mm", "settling time to 1 mm", "s"),
-    ("settling_100um", "settling time to 0.1 mm", "s"),
-    ("iae", "IAE, integral of the position error", "m s"),
-    ("ise", "ISE, integral of its square", "m² s"),
-    ("itae", "ITAE, integral of time × error", "m s²"),
-    ("final_error", "final position error", "m"),
-    ("rms_tail_error", "RMS position error, last quarter", "m"),
-    ("peak_speed", "largest |η₁|", "m/s"),
-    ("min_speed", "smallest |η₁|", "m/s"),
-    ("peak_yaw_acceleration", "largest |u₂|", "rad/s²"),
-    ("effort_u1", "effort, integral of u₁²", "m²/s³"),
-    ("effort_u2", "effort, integral of u₂²", "rad²/s³"),
-    ("total_variation_u1", "total variation of u₁", "m/s²"),
-    ("total_variation_u2", "total variation of u₂", "rad/s²"),
-)
+METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in CONTRACT_METRICS)
 MARGIN_ROWS = (
     ("gain_lower", "lower gain margin (factor)", 1.0),
     ("gain_upper", "upper gain margin (factor)", 1.0),

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+from pydantic import ValidationInfo
+
+import brunovsky.blocks.library as library
 from brunovsky.blocks import Block, Input, Parameter, Variable
-from brunovsky.blocks.library.closed_loop import closed_loop
+from brunovsky.comparison.study.loops import KINDS, LawKind, Loop, loop_of
 
 
 @dataclass(frozen=True)
@@ -52,8 +55,8 @@ def keys_of(variables: Iterable[Variable]) -> dict[str, Key]:
 
 @lru_cache
 def study_block() -> Block:
-    """The block every study runs: reference, sliding-mode outer loop and linearised robot, built once."""
-    return closed_loop()
+    """The block that most studies run: reference, sliding-mode outer loop and linearised robot."""
+    return loop_of("saturation").block
 
 
 @lru_cache
@@ -64,8 +67,34 @@ def parameter_keys() -> Mapping[str, Key]:
 
 @lru_cache
 def input_keys() -> Mapping[str, Key]:
-    """Keys of the inputs of :func:`study_block`, its disturbances."""
-    return keys_of(study_block().inputs)
+    """Keys of the inputs of :func:`study_block`, its disturbances, and of those at v."""
+    matched = [one for one in library.outer_inputs().inputs if one.name.startswith("dv")]
+    return keys_of((*study_block().inputs, *matched))
+
+
+@lru_cache
+def loop_keys(loop: Loop) -> Mapping[str, Key]:
+    """Keys of the parameters of a loop."""
+    return keys_of(loop.block.parameters)
+
+
+def known_parameter(text: str, kinds: Sequence[LawKind]) -> Key:
+    """Key of a parameter of loops of these kinds of laws, or ValueError with what to write instead."""
+    found: dict[str, Key] = dict(parameter_keys())
+    for kind in kinds:
+        if text not in found:
+            found |= {key: one for key, one in loop_keys(loop_of(kind)).items() if key not in found}
+    if text not in found:
+        found |= keys_of(library.robot_with_hardware(lags=0.01, delays=0.01, limits=1.0, period=0.01).parameters)
+    if text in found:
+        return found[text]
+    raise ValueError(f"unknown parameter or unit; {remedy(text, found.values())}")
+
+
+def kinds_of(info: ValidationInfo) -> Sequence[LawKind]:
+    """Kinds of the laws of the study that is being read; all where that isn't known."""
+    kinds: Sequence[LawKind] = (info.context or {}).get("kinds", KINDS)
+    return kinds
 
 
 def remedy(wrong: str, known: Iterable[Key] | Iterable[str]) -> str:

@@ -1,7 +1,7 @@
 """Study files: which scenarios run under which laws, in TOML read by pydantic.
 
 A study has parameters common to all runs, a list of laws and a list of scenarios; every scenario runs under every law
-it names. Laws set only the switching term (``P``, ``phi``), so that all laws of a study share one linear part.
+it names. Laws of the paper's family set only the switching term (``P``, ``phi``) and share one linear part.
 """
 
 from __future__ import annotations
@@ -10,127 +10,28 @@ import hashlib
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    Field,
-    FiniteFloat,
-    PlainSerializer,
-    ValidationError,
-    model_validator,
-)
+from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from brunovsky._frozen import FrozenMapping
-from brunovsky.comparison.chatter_grid import MOST_POINTS, ChatterGrid, ChatterTable
-from brunovsky.comparison.keys import input_keys, parameter_keys, remedy, study_block
-from brunovsky.comparison.problems import describe
-from brunovsky.comparison.study_table import StudyTable, by_name, in_range, known_key
-from brunovsky.errors import StudyError
+from brunovsky.comparison.study.chatter_grid import MOST_POINTS, ChatterGrid, ChatterTable
+from brunovsky.comparison.study.keys import loop_keys, parameter_keys, remedy, study_block
+from brunovsky.comparison.study.law import Law, Name
+from brunovsky.comparison.study.loops import KINDS, LawKind, knows_hardware
+from brunovsky.comparison.study.planned import PlannedRun
+from brunovsky.comparison.study.planning import check_protocol, planned_run
+from brunovsky.comparison.study.problems import describe
+from brunovsky.comparison.study.protocols import Protocol
+from brunovsky.comparison.study.scenario import Scenario, ScenarioTable
+from brunovsky.comparison.study.signals import seed_of
+from brunovsky.comparison.study.table import StudyTable, by_name
+from brunovsky.errors import BrunovskyError, StudyError
 
 FASTEST_LAYER = 2.5  # step times pole of a boundary layer; RK4 is unstable on the real axis from 2.785 on
 MOST_STEPS = 2e6  # of one run, which is kept in memory
-SWITCHING = ("P", "phi")  # what a law sets, and nothing else does
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
-LawKind = Literal["linear", "saturation", "sign"]
 EngineName = Literal["fmpy", "native"]
-
-
-def _scenario_parameter(text: str) -> str:
-    key = parameter_keys()[known_key(text, parameter_keys(), "parameter or unit")]
-    if key.variable.name in SWITCHING:
-        raise ValueError("belongs to a law, so that laws differ in nothing else; move it to a [[laws]] table")
-    return text
-
-
-def _law_parameter(text: str) -> str:
-    key = parameter_keys()[known_key(text, parameter_keys(), "parameter or unit")]
-    if key.variable.name not in SWITCHING:
-        raise ValueError("is shared by all laws, which differ only in P and phi; move it to [parameters] or a scenario")
-    return text
-
-
-def _disturbance(text: str) -> str:
-    return known_key(text, input_keys(), "disturbance or unit")
-
-
-_Freeze = (AfterValidator(in_range), PlainSerializer(dict))
-ScenarioTable = Annotated[Mapping[Annotated[str, AfterValidator(_scenario_parameter)], FiniteFloat], *_Freeze]
-LawTable = Annotated[Mapping[Annotated[str, AfterValidator(_law_parameter)], FiniteFloat], *_Freeze]
-DisturbanceTable = Annotated[Mapping[Annotated[str, AfterValidator(_disturbance)], FiniteFloat], *_Freeze]
-
-
-class Law(StudyTable):
-    """One outer loop: the shared linear part, plus a switching term or none.
-
-    ``linear`` is pole placement (P = 0), ``saturation`` the boundary layer (phi > 0), ``sign`` the relay (phi = 0).
-    """
-
-    name: Name
-    kind: LawKind
-    title: str = ""
-    parameters: LawTable = Field(default_factory=lambda: FrozenMapping({}))
-
-    @model_validator(mode="after")
-    def _check_kind(self) -> Law:
-        given = {parameter_keys()[text].variable.name for text in self.parameters}
-        if self.kind == "linear" and given:
-            raise ValueError("a linear law has no switching term: remove its parameters, or choose another kind")
-        if self.kind == "sign" and "phi" in given:
-            raise ValueError("kind 'sign' means phi = 0: remove phi, or choose kind 'saturation'")
-        if self.kind == "saturation" and self.values["phi"] <= 0.0:
-            raise ValueError("kind 'saturation' needs phi > 0; for phi = 0 choose kind 'sign'")
-        return self
-
-    @property
-    def values(self) -> dict[str, float]:
-        """P and phi of this law by their names in the model."""
-        forced = {"linear": {"P": 0.0}, "sign": {"phi": 0.0}, "saturation": {}}[self.kind]
-        defaults = {one.name: one.value for one in study_block().parameters if one.name in SWITCHING}
-        return defaults | by_name(self.parameters, parameter_keys()) | forced
-
-
-class Scenario(StudyTable):
-    """One task for the robot: start, reference, disturbances and duration, run under several laws."""
-
-    name: Name
-    title: str
-    about: str = ""
-    figure: Literal["4", "5", "6"] | None = None
-    duration_s: Annotated[FiniteFloat, Field(gt=0.0)]
-    laws: tuple[str, ...] | None = Field(default=None, strict=False)
-    parameters: ScenarioTable = Field(default_factory=lambda: FrozenMapping({}))
-    disturbances: DisturbanceTable = Field(default_factory=lambda: FrozenMapping({}))
-
-
-@dataclass(frozen=True)
-class PlannedRun:
-    """One scenario under one law, everything resolved to names and values of the model.
-
-    Attributes
-    ----------
-    name, scenario, law : str
-        ``scenario/law`` and its parts.
-    duration, step_size : float
-        In s.
-    parameters, inputs : mapping of str to float
-        All parameters and inputs (constant) of the block, SI.
-    """
-
-    name: str
-    scenario: str
-    law: str
-    duration: float
-    step_size: float
-    parameters: Mapping[str, float]
-    inputs: Mapping[str, float]
-
-    def resolved(self) -> dict[str, Any]:
-        """The same as plain data, for JSON."""
-        data = asdict(self)
-        return data | {"parameters": dict(self.parameters), "inputs": dict(self.inputs)}
 
 
 class Study(StudyTable):
@@ -142,10 +43,12 @@ class Study(StudyTable):
     model: Literal["closed_loop"] = "closed_loop"
     engine: EngineName = "fmpy"
     step_size_s: Annotated[FiniteFloat, Field(gt=0.0)] = 1e-3
+    seed: Annotated[int, Field(ge=0)] = 0
     parameters: ScenarioTable = Field(default_factory=lambda: FrozenMapping({}))
     laws: tuple[Law, ...] = Field(min_length=1, strict=False)
     scenarios: tuple[Scenario, ...] = Field(min_length=1, strict=False)
     chatter: tuple[ChatterTable, ...] = Field(default=(), strict=False)
+    protocols: tuple[Protocol, ...] = Field(default=(), strict=False)
 
     @model_validator(mode="after")
     def _check_runs(self) -> Study:
@@ -167,10 +70,55 @@ class Study(StudyTable):
                     f"scenario '{scenario.name}': duration_s = {scenario.duration_s:g} is over {MOST_STEPS:g} steps of "
                     f"step_size_s = {self.step_size_s:g}; shorten the one or lengthen the other"
                 )
+            self._check_hardware(scenario)
+        self._check_parameters()
         for run in self.plan():
             self._check_layer(run)
-            for check in study_block().failed_checks(run.parameters, "start"):
+            for check in run.loop.block.failed_checks(run.parameters, "start"):
                 raise ValueError(f"scenario '{run.scenario}', law '{run.law}': {check.message}")
+        return self
+
+    def _check_hardware(self, scenario: Scenario) -> None:
+        if scenario.noise.period_s is not None and scenario.noise.period_s < self.step_size_s:
+            raise ValueError(
+                f"scenario '{scenario.name}': noise.period_s = {scenario.noise.period_s:g} is shorter than "
+                f"step_size_s = {self.step_size_s:g}, over which inputs are held; lengthen the one or shorten the other"
+            )
+        for law in self.laws_of(scenario):
+            if scenario.resolved_hardware != law.loop().hardware and not knows_hardware(law.kind):
+                raise ValueError(
+                    f"scenario '{scenario.name}': law '{law.name}' of kind '{law.kind}' commands the bare robot; "
+                    "noise, hardware and disturbances at v are there for laws that command v: name those in laws"
+                )
+            try:
+                law.loop(scenario.resolved_hardware).block  # noqa: B018
+            except BrunovskyError as error:
+                raise ValueError(f"scenario '{scenario.name}': {error}") from None
+
+    def _check_parameters(self) -> None:
+        """Refuse a parameter that no loop has under which it would be used."""
+        for scenario in self.scenarios:
+            known = {text for law in self.laws_of(scenario) for text in loop_keys(law.loop(scenario.resolved_hardware))}
+            for text in scenario.parameters:
+                if text not in known:
+                    raise ValueError(f"scenario '{scenario.name}': {text} belongs to none of its laws; remove it")
+        used = {text for law in self.laws for text in loop_keys(law.loop())}
+        for text in self.parameters:
+            if text not in used:
+                raise ValueError(f"parameters: {text} belongs to no law of this study; remove it")
+
+    @model_validator(mode="after")
+    def _check_protocols(self) -> Study:
+        for k, protocol in enumerate(self.protocols, 1):
+            where = f"protocols[{k}] "
+            names = [one.name for one in self.scenarios]
+            if protocol.scenario not in names:
+                raise ValueError(
+                    f"{where}there is no scenario '{protocol.scenario}'; {remedy(protocol.scenario, names)}"
+                )
+            check_protocol(
+                protocol, where, self.laws_of(self.scenario(protocol.scenario)), self.scenario(protocol.scenario)
+            )
         return self
 
     @model_validator(mode="after")
@@ -182,13 +130,13 @@ class Study(StudyTable):
 
     def chatter_grids(self) -> tuple[ChatterGrid, ...]:
         """Grids of switching loops whose chatter is predicted and measured, a grid for each chatter table."""
-        switching = [law for law in self.laws if law.kind != "linear" and law.values["P"] > 0.0]
+        switching = [law for law in self.laws if law.in_family and law.values["P"] > 0.0]
         shared = study_block().parameter_values(by_name(self.parameters, parameter_keys()))
         return tuple(table.grid(k, shared, switching) for k, table in enumerate(self.chatter, 1))
 
     def _check_layer(self, run: PlannedRun) -> None:
         """Refuse a boundary layer too thin for the step: within it S' = -(Q + P/phi) S, a linear branch."""
-        Q, P, phi = (run.parameters[name] for name in ("Q", "P", "phi"))
+        Q, P, phi = (run.parameters.get(name, 0.0) for name in ("Q", "P", "phi"))
         if not P or not phi or self.step_size_s * (Q + P / phi) <= FASTEST_LAYER:
             return
         room = FASTEST_LAYER / self.step_size_s - Q
@@ -216,22 +164,44 @@ class Study(StudyTable):
         return tuple(self._planned(scenario, law) for scenario in self.scenarios for law in self.laws_of(scenario))
 
     def _planned(self, scenario: Scenario, law: Law) -> PlannedRun:
-        inputs = {one.name: one.start for one in study_block().inputs}
-        tables = by_name(self.parameters, parameter_keys()) | by_name(scenario.parameters, parameter_keys())
-        return PlannedRun(
-            name=f"{scenario.name}/{law.name}",
-            scenario=scenario.name,
-            law=law.name,
-            duration=scenario.duration_s,
+        return planned_run(
+            law,
+            scenario,
+            shared=self.parameters,
             step_size=self.step_size_s,
-            parameters=FrozenMapping(study_block().parameter_values(tables | law.values)),
-            inputs=FrozenMapping(inputs | by_name(scenario.disturbances, input_keys())),
+            seed=seed_of(self.seed, scenario.name),
+        )
+
+    def scenario(self, name: str) -> Scenario:
+        """The scenario of this name."""
+        return next(one for one in self.scenarios if one.name == name)
+
+    def laws_of_protocol(self, protocol: Protocol) -> tuple[Law, ...]:
+        """Laws that a protocol compares, in the order of the study."""
+        laws = self.laws_of(self.scenario(protocol.scenario))
+        return tuple(one for one in laws if protocol.laws is None or one.name in protocol.laws)
+
+    def planned_case(
+        self, protocol: Protocol, law: Law, changed: Mapping[str, float], seed: tuple[int, ...] | None = None
+    ) -> PlannedRun:
+        """One run of a protocol: its scenario under a law, with keys changed, and another seed of the noise."""
+        scenario = self.scenario(protocol.scenario)
+        return planned_run(
+            law,
+            scenario,
+            shared=self.parameters,
+            step_size=protocol.step_size_s or self.step_size_s,
+            seed=seed or seed_of(self.seed, scenario.name),
+            changed=changed,
+            duration=protocol.duration_s,
         )
 
     def digest(self) -> str:
         """SHA-256 of the resolved runs: equal for studies that ask for the same simulations."""
         runs = [one.resolved() for one in self.plan()]
-        return hashlib.sha256(json.dumps(runs, sort_keys=True).encode()).hexdigest()
+        protocols = [one.model_dump(mode="json") for one in self.protocols]
+        asked = json.dumps([runs, protocols] if protocols else runs, sort_keys=True)
+        return hashlib.sha256(asked.encode()).hexdigest()
 
 
 def load_study(path: str | Path) -> Study:
@@ -260,8 +230,15 @@ def load_study(path: str | Path) -> Study:
     except tomllib.TOMLDecodeError as error:
         raise StudyError(f"{path}: is not valid TOML: {error}; correct the syntax there") from None
     try:
-        return Study.model_validate(data)
+        return Study.model_validate(data, context={"kinds": _kinds(data)})
     except ValidationError as error:
         raise StudyError(
             describe(path, text, error, {"": Study, "laws": Law, "scenarios": Scenario, "chatter": ChatterTable})
         ) from None
+
+
+def _kinds(data: Mapping[str, Any]) -> list[LawKind]:
+    """Kinds of laws that a study file names, before it is checked: only their loops are made."""
+    laws = data.get("laws")
+    named = [one.get("kind") for one in laws if isinstance(one, dict)] if isinstance(laws, list) else []
+    return [kind for kind in KINDS if kind in named]

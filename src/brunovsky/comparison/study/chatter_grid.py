@@ -12,8 +12,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, FiniteFloat, PlainS
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.analysis import SwitchingLoop
-from brunovsky.comparison.keys import parameter_keys, remedy
-from brunovsky.comparison.study_table import StudyTable, check_range, known_key
+from brunovsky.comparison.study.keys import parameter_keys, remedy
+from brunovsky.comparison.study.table import StudyTable, check_range, known_key
 from brunovsky.errors import ParameterError
 
 MOST_POINTS = 2000  # of all grids of a study

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, ValidationInfo
 
 from brunovsky._frozen import FrozenMapping
-from brunovsky.comparison.keys import Key, bounds, input_keys, parameter_keys, remedy
+from brunovsky.comparison.study.keys import Key, bounds, input_keys, kinds_of, known_parameter, remedy
+from brunovsky.comparison.study.loops import FAMILY, LawKind
 
 
 class StudyTable(BaseModel):
@@ -23,18 +24,18 @@ def known_key(text: str, keys: Mapping[str, Key], what: str) -> str:
     return text
 
 
-def check_range(text: str, value: float) -> None:
-    """Refuse a number outside the range of what its key sets."""
-    lowest, highest = bounds({**parameter_keys(), **input_keys()}[text])
+def check_range(text: str, value: float, kinds: Sequence[LawKind] = FAMILY) -> None:
+    """Refuse a number outside the range of what its key sets, under laws of these kinds."""
+    lowest, highest = bounds(input_keys()[text] if text in input_keys() else known_parameter(text, kinds))
     if not lowest <= value <= highest:
         allowed = f"{lowest:g} or more" if highest == float("inf") else f"{lowest:g} to {highest:g}"
         raise ValueError(f"{text} = {value:g} is out of range; give {allowed}")
 
 
-def in_range(table: Mapping[str, float]) -> Mapping[str, float]:
+def in_range(table: Mapping[str, float], info: ValidationInfo) -> Mapping[str, float]:
     """Freeze a table of numbers, all in their ranges."""
     for text, value in table.items():
-        check_range(text, value)
+        check_range(text, value, kinds_of(info))
     return FrozenMapping(table)
 
 

@@ -1,0 +1,24 @@
+"""Figures of a report in their fixed order: path, errors, inputs, sliding variables, phase portraits, linear part."""
+
+from brunovsky.comparison.figures.describing import DescribingFunction, describing_function_figure, describing_functions
+from brunovsky.comparison.figures.loop import bode_figure, poles_figure
+from brunovsky.comparison.figures.paths import path_figure, path_of, paths_figure
+from brunovsky.comparison.figures.phase import phase_figure
+from brunovsky.comparison.figures.signals import errors_figure, inputs_figure, sliding_figure
+from brunovsky.comparison.figures.traces import transient_window
+
+__all__ = [
+    "DescribingFunction",
+    "bode_figure",
+    "describing_function_figure",
+    "describing_functions",
+    "errors_figure",
+    "inputs_figure",
+    "path_figure",
+    "path_of",
+    "paths_figure",
+    "phase_figure",
+    "poles_figure",
+    "sliding_figure",
+    "transient_window",
+]

@@ -1,0 +1,87 @@
+"""Errors, physical inputs and sliding variables of a scenario over time."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from brunovsky.comparison import drawing
+from brunovsky.comparison.figures.traces import (
+    Drawn,
+    add_legend,
+    draw_limits,
+    draw_signal,
+    drawable,
+    layers,
+    shown,
+    transient_window,
+)
+from brunovsky.comparison.metrics import SETTLED, position_error
+from brunovsky.comparison.run import Comparison
+from brunovsky.comparison.study import Scenario
+
+_SMALLEST_ERROR = 1e-9  # m; lower end of the error axis
+
+
+def errors_figure(comparison: Comparison, scenario: Scenario) -> Figure:
+    """Position error, and the error of each chain."""
+    laws, window = drawable(comparison, scenario), transient_window(comparison, scenario)
+    figure = drawing.new_figure(9.4, 2.9)
+    distance, *chains = figure.subplots(1, 3)
+    _draw_distance(distance, laws, window)
+    for axes, name, label in zip(chains, ("e1[1]", "e2[1]"), ("x − x_d, m", "y − y_d, m"), strict=True):
+        draw_signal(axes, laws, name, window)
+        drawing.signed_decades(axes, 1e-3, at_least=SETTLED)
+        axes.set_title(label.replace("_d", "$_\\mathrm{d}$"), loc="left")
+    add_legend(figure, [(index, law) for index, law, _ in laws])
+    return figure
+
+
+def inputs_figure(comparison: Comparison, scenario: Scenario) -> Figure:
+    """Both inputs of the robot, and the speed that the law divides by."""
+    laws, window = drawable(comparison, scenario), transient_window(comparison, scenario)
+    figure = drawing.new_figure(9.4, 2.9)
+    u1, u2, speed = figure.subplots(1, 3)
+    for axes, name, label in (
+        (u1, "u[1]", "forward acceleration u₁, m/s²"),
+        (u2, "u[2]", "yaw acceleration u₂, rad/s²"),
+    ):
+        draw_signal(axes, laws, name, window)
+        drawing.signed_decades(axes, 1.0, at_least=10.0)
+        axes.set_title(label, loc="left")
+    draw_signal(speed, laws, "eta[1]", window)
+    draw_limits(speed, [run.planned.parameters["eta_min"] for _, _, run in laws])
+    drawing.signed_decades(speed, 0.1, at_least=0.1)
+    speed.set_title("velocity η₁, m/s;  dotted: ±$\\eta_\\mathrm{min}$", loc="left")
+    add_legend(figure, [(index, law) for index, law, _ in laws])
+    return figure
+
+
+def sliding_figure(comparison: Comparison, scenario: Scenario) -> Figure:
+    """Sliding variable of each chain, with the boundary layers."""
+    laws, window = drawable(comparison, scenario), transient_window(comparison, scenario)
+    figure = drawing.new_figure(9.4, 2.7)
+    found = layers(laws)
+    for axes, k in zip(figure.subplots(1, 2), (1, 2), strict=True):
+        draw_signal(axes, laws, f"S[{k}]", window)
+        draw_limits(axes, found)
+        drawing.signed_decades(axes, 0.01, at_least=0.01)
+        note = ";  dotted: boundary layer ±φ" if found else ""
+        axes.set_title(f"sliding variable S{'₁₂'[k - 1]}, m/s²{note}", loc="left")
+    add_legend(figure, [(index, law) for index, law, _ in laws])
+    return figure
+
+
+def _draw_distance(axes: Axes, laws: Drawn, window: float) -> None:
+    highest = 10 * SETTLED
+    for index, _, run in laws:
+        time, inside = shown(run, window)
+        time, error = drawing.thinned(time, position_error(run.trajectory)[inside])
+        axes.plot(time, np.maximum(error, _SMALLEST_ERROR), **drawing.style(index))
+        highest = max(highest, float(np.max(error, initial=0.0)))
+    drawing.limit_decades(axes, _SMALLEST_ERROR, highest, most=5)
+    axes.axhline(SETTLED, **drawing.REFERENCE)
+    axes.set_title(f"position error, m;  dotted: {SETTLED * 100:g} cm", loc="left")
+    axes.set_xlim(0.0, window)
+    axes.set_xlabel("time, s")

@@ -1,0 +1,88 @@
+"""What the figures of a scenario share: which runs, until when, signals over time, and the legend."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from brunovsky.comparison import drawing
+from brunovsky.comparison.metrics import Array, instants, values
+from brunovsky.comparison.run import Comparison, Run
+from brunovsky.comparison.study import Law, Scenario
+
+Drawn = Sequence[tuple[int, Law, Run]]
+POINT: dict[str, Any] = {"linestyle": "none", "color": "#000000", "zorder": 8.0}
+START = {**POINT, "marker": "o", "markersize": 6.0}
+END = {**POINT, "marker": "o", "markersize": 4.5}
+TARGET = {**POINT, "marker": "x", "markersize": 7.0, "markeredgewidth": 1.8}
+
+
+def drawable(comparison: Comparison, scenario: Scenario) -> list[tuple[int, Law, Run]]:
+    """Laws of a scenario with something to draw: index in the study, law and run."""
+    index = {law.name: number for number, law in enumerate(comparison.study.laws)}
+    pairs = comparison.laws_of(scenario)
+    return [(index[law.name], law, run) for law, run in pairs if run.trajectory.sizes["time"] > 0]
+
+
+def transient_window(comparison: Comparison, scenario: Scenario) -> float:
+    """Time up to which signals are shown, s: two and a half times the longest settling time, at least 2 s."""
+    settled = [run.metrics.settling_time for _, run in comparison.laws_of(scenario) if run.ok]
+    known = [one for one in settled if one is not None]
+    if not known or len(known) < len(settled):
+        return scenario.duration_s
+    return min(scenario.duration_s, max(2.0, float(np.ceil(2.5 * max(known)))))
+
+
+def shown(run: Run, window: float) -> tuple[Array, np.ndarray[Any, np.dtype[np.bool_]]]:
+    """Instants of a run within the window (s), and which of the recorded ones they are."""
+    time = instants(run.trajectory)
+    inside = time <= window * (1.0 + 1e-9)
+    return time[inside], inside
+
+
+def draw_signal(axes: Axes, laws: Drawn, name: str, window: float) -> None:
+    """One recorded variable of all laws over time."""
+    for index, _, run in laws:
+        time, inside = shown(run, window)
+        axes.plot(*drawing.thinned(time, values(run.trajectory, name)[inside]), **drawing.style(index))
+    axes.set_xlim(0.0, window)
+    axes.set_xlabel("time, s")
+
+
+def draw_limits(axes: Axes, limits: Sequence[float], *, vertical: bool = False) -> None:
+    """Dotted lines at plus and minus each limit."""
+    for limit in sorted(set(limits)):
+        for value in (-limit, limit):
+            (axes.axvline if vertical else axes.axhline)(value, **drawing.REFERENCE)
+
+
+def layers(laws: Drawn) -> list[float]:
+    """Half-widths of the boundary layers, m/s2."""
+    return [run.planned.parameters["phi"] for _, law, run in laws if law.kind == "saturation"]
+
+
+def is_regulation(run: Run) -> bool:
+    """Whether the reference is a point."""
+    return run.planned.parameters["radius"] == 0.0
+
+
+def add_legend(figure: Figure, laws: Sequence[tuple[int, Law]], more: Sequence[Line2D] = ()) -> None:
+    """Legend of the laws, above everything."""
+    handles = [Line2D([], [], label=law.title or law.name, **drawing.style(index)) for index, law in laws] + list(more)
+    figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False, columnspacing=1.4)
+
+
+def place_handles(regulation: set[bool]) -> list[Line2D]:
+    """Legend of the points along a path, for scenarios that end at a point, on a trajectory, or both."""
+    handles = [Line2D([], [], label="start", markerfacecolor="#ffffff", **START)]
+    if True in regulation:
+        handles.append(Line2D([], [], label="target", **TARGET))
+    if False in regulation:
+        handles.append(Line2D([], [], label="end", **END))
+        handles.append(Line2D([], [], label="reference", **drawing.REFERENCE))
+    return handles

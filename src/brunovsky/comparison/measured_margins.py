@@ -1,0 +1,165 @@
+"""Margins of a nonlinear loop, measured: bisection on simulations with another loop gain or delay."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from brunovsky.errors import ParameterError
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+Simulate = Callable[[float, float], tuple[Array, Array] | None]
+"""Simulates with the loop gain times the first number and a delay of the second (s); returns instants (s) and position
+errors (m), or None for a run that failed."""
+
+CONTRACTS = 0.9  # error of the last quarter over that of the quarter before, up to which a run still converges
+GROWS = 1.1  # and from which a run within its bound is growing
+ROUNDING = 1e-9  # m; a smaller error may grow by rounding alone
+
+
+@dataclass(frozen=True)
+class MeasuredMargin:
+    """Where a loop stops being stable along one number.
+
+    Attributes
+    ----------
+    value : float or None
+        Last number that was found stable next to the loss of stability; None if there is no such place.
+    unstable_from : float or None
+        First number that was found not to be stable, within the tolerance of `value`.
+    runs : int
+        Simulations that were made.
+    reason : str
+        Why there is no value; empty if there is.
+    """
+
+    value: float | None
+    unstable_from: float | None
+    runs: int
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class MeasuredMargins:
+    """Measured margins of a loop; see `measured_margins`.
+
+    Attributes
+    ----------
+    gain_lower, gain_upper : MeasuredMargin
+        Factors of the loop gain (1).
+    delay : MeasuredMargin
+        In s.
+    """
+
+    gain_lower: MeasuredMargin
+    gain_upper: MeasuredMargin
+    delay: MeasuredMargin
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same by name, ready for JSON."""
+        return asdict(self)
+
+
+def bounded_at_the_end(time: Array, error: Array, bound: float) -> bool:
+    """Whether a complete run counts as stable.
+
+    Let E3 and E4 be the largest errors in the third and the last quarter of the duration. The run is stable if the
+    error still contracts, E4 <= 0.9 E3, or stays within the bound without growing, E4 <= bound and E4 <= 1.1 E3, where
+    an error below 1 nm does not count as growing. A run that is not finite is not stable.
+
+    Parameters
+    ----------
+    time, error : ndarray, shape (n,)
+        Instants (s) and position errors (m).
+    bound : float
+        Error that may remain (m): chatter and unmatched disturbances leave one for ever.
+    """
+    if time.size < 2 or not np.isfinite(error).all():
+        return False
+    half, quarter = (time[0] + share * (time[-1] - time[0]) for share in (0.5, 0.75))
+    third, last = error[(time >= half) & (time < quarter)], error[time >= quarter]
+    before, after = float(np.max(np.abs(third), initial=0.0)), float(np.max(np.abs(last), initial=0.0))
+    return after <= CONTRACTS * before or (after <= bound and after <= max(GROWS * before, ROUNDING))
+
+
+def bisect_margin(stable: Callable[[float], bool], low: float, high: float, rtol: float = 0.01) -> MeasuredMargin:
+    """Find where a loop stops being stable between a number at which it is and one at which it is not.
+
+    Bisects in the logarithm, or, where one end is zero, in the number itself. Only one loss of stability is found;
+    with several, as in loops that are stable again beyond, it is one of them.
+
+    Parameters
+    ----------
+    stable : function of float
+        Whether the loop is stable for a number.
+    low, high : float
+        Ends, 0 <= low < high, either of them stable.
+    rtol : float
+        Relative width of the bracket at the end.
+
+    Raises
+    ------
+    ParameterError
+        If the ends are no such numbers, or `rtol` is not between 0 and 1.
+    """
+    if not (0.0 <= low < high < math.inf and 0.0 < rtol < 1.0):
+        raise ParameterError(
+            f"bisect_margin: low = {low!r}, high = {high!r}, rtol = {rtol!r}; pass 0 <= low < high and 0 < rtol < 1"
+        )
+    ends = stable(low), stable(high)
+    if ends[0] == ends[1]:
+        reason = "stable at both ends of the range" if ends[0] else "not stable at either end of the range"
+        return MeasuredMargin(None, None, 2, f"{reason}, {low:g} to {high:g}")
+    inside, outside = (low, high) if ends[0] else (high, low)
+    runs = 2
+    while abs(inside - outside) > rtol * max(inside, outside) and max(inside, outside) > 1e-12 * high:
+        middle = math.sqrt(inside * outside) if low > 0.0 else 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if stable(middle) else (inside, middle)
+        runs += 1
+    return MeasuredMargin(inside, outside, runs)
+
+
+def measured_margins(
+    simulate: Simulate,
+    *,
+    bound: float,
+    lowest_gain: float = 0.01,
+    highest_gain: float = 100.0,
+    longest_delay: float = 0.2,
+    rtol: float = 0.01,
+) -> MeasuredMargins:
+    """Measure gain and delay margins of a loop by bisection on whole simulations.
+
+    What is found holds for the scenario that is simulated, its start and its duration: a nonlinear loop has no margin
+    as such. Near a margin a run of finite length can't tell slow decay from slow growth; longer runs come nearer.
+
+    Parameters
+    ----------
+    simulate : function of (gain, delay)
+        See :data:`Simulate`.
+    bound : float
+        Error that may remain (m); see :func:`bounded_at_the_end`.
+    lowest_gain, highest_gain : float
+        Ends of the factors of the loop gain that are tried, about 1.
+    longest_delay : float
+        Longest delay that is tried, s.
+    rtol : float
+        Relative tolerance of each margin.
+    """
+
+    def stable(gain: float, delay: float) -> bool:
+        found = simulate(gain, delay)
+        return found is not None and bounded_at_the_end(*found, bound)
+
+    if not stable(1.0, 0.0):
+        none = MeasuredMargin(None, None, 1, "not stable as it is, with gain 1 and no delay")
+        return MeasuredMargins(none, none, none)
+    return MeasuredMargins(
+        gain_lower=bisect_margin(lambda gain: stable(gain, 0.0), lowest_gain, 1.0, rtol),
+        gain_upper=bisect_margin(lambda gain: stable(gain, 0.0), 1.0, highest_gain, rtol),
+        delay=bisect_margin(lambda delay: stable(1.0, delay), 0.0, longest_delay, rtol),
+    )

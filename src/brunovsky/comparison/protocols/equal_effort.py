@@ -1,0 +1,178 @@
+"""The second protocol: every law tuned to the same effort in one physical input, then compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from brunovsky.comparison.facts import number, percent
+from brunovsky.comparison.output import plain
+from brunovsky.comparison.protocols.evaluation import Evaluate, Trial, check_laws, phrase, unit
+from brunovsky.comparison.protocols.explanation import EQUAL_EFFORT, Explanation
+from brunovsky.comparison.protocols.tuning import Knob, Tuning, tune
+from brunovsky.errors import ParameterError
+
+
+@dataclass(frozen=True)
+class EqualEffort:
+    """Laws tuned to one effort.
+
+    Attributes
+    ----------
+    effort : str
+        The metric that is made equal.
+    target : float
+        Its value.
+    rtol : float
+        Relative tolerance within which it is hit.
+    budget : int
+        Evaluations that each law may take.
+    metrics : tuple of str
+        Metrics that are told.
+    tunings : tuple of Tuning
+        One for each law.
+    step_sensitive : frozenset of str
+        Metrics that depend on the step.
+    explanation : Explanation
+        The protocol in words.
+    """
+
+    effort: str
+    target: float
+    rtol: float
+    budget: int
+    metrics: tuple[str, ...]
+    tunings: tuple[Tuning, ...]
+    step_sensitive: frozenset[str] = frozenset()
+    explanation: Explanation = EQUAL_EFFORT
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the laws."""
+        return tuple(one.law for one in self.tunings)
+
+    @property
+    def tuned(self) -> dict[str, Trial]:
+        """Runs at equal effort, by law; only those that hit it."""
+        return {one.law: one.trial for one in self.tunings if one.trial is not None}
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One row for each law: how it was tuned, and its metrics there."""
+        return [self._row(one) for one in self.tunings]
+
+    def _row(self, one: Tuning) -> dict[str, Any]:
+        trial = one.trial or Trial(one.law, {}, one.trials[0].case, {}, None)
+        cells = trial.row([], list(dict.fromkeys((self.effort, *self.metrics))))
+        cells["failure"] = one.reason
+        return {"knob": one.knob.parameter, "value": one.value, "status": one.status, "runs": one.runs} | cells
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same as plain data, for JSON."""
+        found: dict[str, Any] = plain(self)
+        return found | {"step_sensitive": sorted(self.step_sensitive), "findings": self.findings()}
+
+    def findings(self) -> list[str]:
+        """Sentences that follow from the numbers."""
+        told = [self._tuning(one) for one in self.tunings]
+        if len(self.tuned) < 2:
+            return [*told, "Fewer than two laws reach the effort, so there is nothing to compare."]
+        if self.effort in self.step_sensitive:
+            return [
+                *told,
+                f"The effort itself, {phrase(self.effort)}, depends on the step of the simulation: no law is ranked.",
+            ]
+        return told + [self._compared(metric) for metric in self.metrics if metric != self.effort]
+
+    def _tuning(self, one: Tuning) -> str:
+        of = f"“{one.law}”"
+        if one.trial is None or one.value is None:
+            return f"{of} is not compared: {one.reason} ({one.runs} of {self.budget} runs)."
+        effort = one.trial.value(self.effort)
+        off = 0.0 if effort is None else abs(effort / self.target - 1.0)
+        told_off = percent(off) if off > 1e-4 else "less than 0.01\u00a0%"
+        text = (
+            f"{of} has {phrase(self.effort)} = {number(effort)} {unit(self.effort)}".rstrip()
+            + f", {told_off} off the target, at {one.knob.parameter} = {number(one.value)} ({one.runs} of "
+            f"{self.budget} runs)"
+        )
+        return text + ("." if one.monotone else f"; its effort is not monotone in {one.knob.parameter}.")
+
+    def _compared(self, metric: str) -> str:
+        if metric in self.step_sensitive:
+            return f"The {phrase(metric)} depends on the step of the simulation: it ranks no law."
+        known = {law: trial.value(metric) for law, trial in self.tuned.items()}
+        values = {law: value for law, value in known.items() if value is not None}
+        if len(values) < 2:
+            return f"The {phrase(metric)} is defined under fewer than two laws."
+        ordered = sorted(values.items(), key=lambda one: one[1])
+        listed = ", ".join(f"{number(value)} ({law})" for law, value in ordered)
+        text = f"At equal effort the {phrase(metric)}{f', {unit(metric)},' if unit(metric) else ''} is {listed}"
+        (least, low), (_, second) = ordered[:2]
+        size = max(abs(low), abs(second))
+        slack = sum(one.slack(self.effort, metric, self.rtol) for one in self.tunings if one.trial is not None)
+        if size == 0.0 or second - low <= max(self.rtol, slack) * size:
+            return f"{text}: the lowest two do not differ by more than what the tolerance of the tuning explains."
+        return f"{text}: in this case lowest under “{least}”, by {percent((second - low) / size)} of the next."
+
+
+def equal_effort(
+    evaluate: Evaluate,
+    laws: Mapping[str, Mapping[str, float]],
+    knobs: Mapping[str, Knob],
+    effort: str,
+    target: float,
+    *,
+    metrics: Sequence[str],
+    rtol: float = 0.01,
+    budget: int = 40,
+    scan: int = 9,
+    case: int = 0,
+    step_sensitive: Collection[str] = (),
+) -> EqualEffort:
+    """Tune each law's knob until a physical input has the same RMS, peak or other effort, and compare.
+
+    Parameters
+    ----------
+    evaluate : Evaluate
+        Makes one run.
+    laws : mapping of str to mapping
+        For each law the parameters that stay.
+    knobs : mapping of str to Knob
+        For each law what is tuned, and its range.
+    effort : str
+        Metric that is made equal, such as ``rms_u2`` or ``peak_yaw_acceleration``.
+    target : float
+        Its value, above zero.
+    metrics : sequence of str
+        Metrics to tell.
+    rtol : float
+        Relative tolerance within which the target is hit.
+    budget : int
+        Evaluations that each law may take, those of the scan among them.
+    scan : int
+        Evaluations, evenly spaced in the logarithm of the knob, that look for the target first.
+    case : int
+        Number of the case.
+    step_sensitive : collection of str
+        Metrics by which no law may be ranked.
+
+    Raises
+    ------
+    ParameterError
+        If the target, a range, the tolerance or the budget is not usable, or a law has no knob.
+    """
+    check_laws("equal_effort", laws, 1)
+    if not 0.0 < target < math.inf or not 0.0 < rtol < 1.0:
+        raise ParameterError(f"equal_effort: target = {target!r}, rtol = {rtol!r}; give target > 0 and 0 < rtol < 1")
+    if not 3 <= scan < budget:
+        raise ParameterError(f"equal_effort: scan = {scan}, budget = {budget}; give 3 <= scan < budget")
+    missing = [law for law in laws if law not in knobs]
+    if missing:
+        raise ParameterError(f"equal_effort: there is no knob for {', '.join(missing)}; give one for each law")
+    tunings = [
+        tune(evaluate, law, fixed, knobs[law], effort, target, rtol=rtol, budget=budget, scan=scan, case=case)
+        for law, fixed in laws.items()
+    ]
+    return EqualEffort(effort, target, rtol, budget, tuple(metrics), tuple(tunings), frozenset(step_sensitive))

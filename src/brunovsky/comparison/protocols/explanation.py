@@ -1,0 +1,70 @@
+"""What each protocol of fairness holds equal, and what it cannot say, for the report."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A protocol in words.
+
+    Attributes
+    ----------
+    title : str
+        Its heading.
+    holds_equal : str
+        What is the same for all laws.
+    cannot_say : str
+        What does not follow from its numbers.
+    """
+
+    title: str
+    holds_equal: str
+    cannot_say: str
+
+    def as_dict(self) -> dict[str, str]:
+        """The same by name, ready for JSON."""
+        return asdict(self)
+
+
+SWEPT = Explanation(
+    "Same linear part, one parameter swept",
+    "All laws share plant, start, reference, disturbances, noise, step and the linear part of the outer loop; only the "
+    "swept parameter changes, from run to run, over the same values for every law. At zero of the switching gain the "
+    "laws are one and the same linear law, so that each curve shows what the switching term adds.",
+    "Equal values of the parameter are not equal costs: a law may take more of the inputs for the same value. Each "
+    "point is one run of one case, without spread, so that the curves say nothing about other starts or disturbances, "
+    "nor which law is better when each is tuned for itself.",
+)
+EQUAL_EFFORT = Explanation(
+    "Equal effort",
+    "All laws spend the same of one physical input, the metric named as effort, within the stated tolerance. Each has "
+    "one knob and the same range of evaluations to be tuned with; all else is the same case. A law whose effort cannot "
+    "be brought to the target is reported with the reason, and not compared.",
+    "Effort is equal in the one metric that was chosen; peaks, variation or the other input may still differ. The "
+    "comparison holds at this target and for this case: at another target the order may be another. One knob for each "
+    "law is not the best that the law can do.",
+)
+PARETO = Explanation(
+    "Pareto fronts with an equal tuning budget",
+    "Each law is tried at the same number of designs, spread over the logarithms of its knobs by the same kind of "
+    "scrambled Sobol sequence, on the same case. A design is on the front if no other of that law is at least as good "
+    "in both objectives and better in one.",
+    "A front is that of the designs that were tried: another seed, more designs or wider ranges may move it, and a law "
+    "with more knobs has its designs spread more thinly. A law whose knobs have the wider ranges is searched more "
+    "coarsely. Fronts hold for one case; what lies off the two objectives is not weighed. The hypervolume depends on "
+    "its reference point and ranks nothing by itself.",
+)
+MONTE_CARLO = Explanation(
+    "Paired Monte-Carlo with common random numbers",
+    "In each case all laws meet the same drawn parameters and the same noise, so that their difference is that of the "
+    "laws and not of the luck of the draw; adding a law changes no draw. Means have bias-corrected and accelerated "
+    "bootstrap intervals, medians the interval between order statistics, rates Wilson's interval. Two laws are told "
+    "apart only where the intervals of the mean and of the median of the paired differences both exclude zero, on the "
+    "same side, and the sign test with failed runs counted as the worse agrees.",
+    "The intervals speak of the distributions that were drawn from, and of nothing outside them. Pairs of which one "
+    "run failed have no difference: where failures are many, the differences are those of the easier cases. With many "
+    "metrics some intervals exclude zero by chance. That an interval contains zero does not show that the laws are "
+    "equal. The laws are not tuned for the distributions.",
+)

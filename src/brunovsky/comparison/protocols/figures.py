@@ -1,0 +1,217 @@
+"""One figure for each protocol, in styles that survive grey printing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from brunovsky.comparison import drawing
+from brunovsky.comparison.protocols.equal_effort import EqualEffort
+from brunovsky.comparison.protocols.evaluation import Trial, phrase, with_unit
+from brunovsky.comparison.protocols.monte_carlo import MonteCarlo
+from brunovsky.comparison.protocols.pareto import Pareto
+from brunovsky.comparison.protocols.swept import Swept
+from brunovsky.comparison.statistics import Estimate
+
+MARKERS = ("o", "s", "D", "^", "v", "P")
+_WIDTH = 9.4
+_DECADES = 30.0  # ratio of the ends from which an axis is logarithmic
+
+Titles = Mapping[str, str]
+"""Titles of the laws, by name."""
+
+
+def swept_figure(result: Swept, titles: Titles | None = None) -> Figure:
+    """Each metric over the swept parameter, a line for each law."""
+    columns = min(len(result.metrics), 2)
+    rows = -(-len(result.metrics) // columns)
+    figure = drawing.new_figure(_WIDTH, 0.5 + 2.3 * rows)
+    grid = np.atleast_1d(figure.subplots(rows, columns, sharex=True)).ravel()
+    for axes, metric in zip(grid, result.metrics, strict=False):
+        shown = []
+        for index, law in enumerate(result.laws):
+            x, y = result.curve(law, metric)
+            axes.plot(x, y, **_line(index))
+            shown += y
+        _scale(axes, shown, "y")
+        _scale_knob(axes, result.values)
+        axes.set_title(_marked(metric, result.step_sensitive), loc="left")
+        axes.set_xlabel(result.knob)
+    for axes in grid[len(result.metrics) :]:
+        axes.set_visible(False)
+    _legend(figure, result.laws, titles)
+    return figure
+
+
+def equal_effort_figure(result: EqualEffort, titles: Titles | None = None) -> Figure:
+    """Effort of each law over its knob with the target; and the metrics there, relative to the largest of each."""
+    figure = drawing.new_figure(_WIDTH, 3.9)
+    curve, bars = figure.subplots(1, 2, width_ratios=(1.0, 1.0))
+    for index, one in enumerate(result.tunings):
+        known = sorted((_knob(trial, one.knob.parameter), trial.value(result.effort)) for trial in _with(one, result))
+        curve.plot([x for x, _ in known], [y for _, y in known], **_line(index))
+        if one.trial is not None:
+            point: dict[str, Any] = {"marker": MARKERS[index % len(MARKERS)], "color": "#000000", "zorder": 9.0}
+            curve.plot([one.value], [one.trial.value(result.effort)], linestyle="none", markersize=8.0, **point)
+    curve.axhline(result.target, **drawing.REFERENCE)
+    if any(_with(one, result) for one in result.tunings):
+        curve.set_xscale("log")
+        curve.set_yscale("log")
+    curve.set_title(f"{_marked(result.effort, result.step_sensitive)};  dotted: target", loc="left")
+    curve.set_xlabel(", ".join(dict.fromkeys(one.knob.parameter for one in result.tunings)))
+    metrics = [metric for metric in result.metrics if metric != result.effort]
+    for index, one in enumerate(result.tunings):
+        for row, metric in enumerate(metrics):
+            values = [trial.value(metric) or 0.0 for trial in result.tuned.values()]
+            value = one.trial.value(metric) if one.trial is not None else None
+            if value is not None and max(map(abs, values)) > 0.0:
+                bars.plot(
+                    [value / max(map(abs, values))], [row + 0.12 * (index % 3 - 1)], linestyle="none", **_marker(index)
+                )
+    bars.set_yticks(range(len(metrics)), [_marked(one, result.step_sensitive, units=False) for one in metrics])
+    bars.set_ylim(len(metrics) - 0.5, -0.5)
+    bars.set_xlim(left=min(0.0, bars.get_xlim()[0]))
+    bars.set_title("metrics at equal effort, over the largest", loc="left")
+    drawing.plain_decades(figure)
+    _legend(figure, result.laws, titles)
+    return figure
+
+
+def pareto_figure(result: Pareto, titles: Titles | None = None) -> Figure:
+    """All designs in the plane of the two objectives, and the front of each law."""
+    figure = drawing.new_figure(_WIDTH, 4.8)
+    axes = figure.subplots()
+    shown: list[tuple[float, float]] = []
+    for index, law in enumerate(result.laws):
+        points = [point for point, _ in result.designs(law)]
+        shown += points
+        small = _marker(index) | {"markersize": 3.5, "alpha": 0.55}
+        axes.plot([x for x, _ in points], [y for _, y in points], linestyle="none", **small)
+        front = result.fronts[law]
+        steps = _line(index) | {"markersize": 6.5}
+        axes.plot([x for x, _ in front], [y for _, y in front], drawstyle="steps-post", **steps)
+    if result.reference is not None:
+        axes.plot(*([one] for one in result.reference), linestyle="none", marker="x", color="#000000", markersize=8.0)
+        axes.annotate("reference point", result.reference, (-6, 6), textcoords="offset points", ha="right")
+        shown.append(result.reference)
+    _scale(axes, [x for x, _ in shown], "x")
+    _scale(axes, [y for _, y in shown], "y")
+    axes.set_xlabel(_marked(result.objectives[0], result.step_sensitive))
+    axes.set_ylabel(_marked(result.objectives[1], result.step_sensitive))
+    drawing.plain_decades(figure)
+    _legend(figure, result.laws, titles)
+    return figure
+
+
+def monte_carlo_figure(result: MonteCarlo, titles: Titles | None = None) -> Figure:
+    """For each metric its distribution under each law and the paired differences; the rates below."""
+    rows = len(result.metrics) + 1
+    figure = drawing.new_figure(_WIDTH, 0.5 + 2.1 * rows)
+    grid = figure.subplots(rows, 2)
+    for row, metric in enumerate(result.metrics):
+        _draw_distributions(grid[row, 0], result, metric)
+        _draw_differences(grid[row, 1], result, metric)
+    for axes, name, title in zip(
+        grid[-1],
+        ("failure", "near_singular"),
+        ("share of runs that failed", "share of runs near the singularity"),
+        strict=True,
+    ):
+        for index, one in enumerate(result.rates):
+            _draw_interval(axes, index, getattr(one, name), index)
+        axes.set_yticks(range(len(result.laws)), result.laws)
+        axes.set_ylim(len(result.laws) - 0.5, -0.5)
+        axes.set_xlim(left=-0.02 * axes.get_xlim()[1])
+        axes.set_title(title, loc="left")
+    drawing.plain_decades(figure)
+    _legend(figure, result.laws, titles)
+    return figure
+
+
+def _draw_distributions(axes: Axes, result: MonteCarlo, metric: str) -> None:
+    shown: list[float] = []
+    for index, law in enumerate(result.laws):
+        known = sorted(value for value in result.values(law, metric) if value is not None)
+        shown += known
+        share = np.arange(1, len(known) + 1) / result.cases
+        axes.plot(known, share, drawstyle="steps-post", **drawing.style(index))
+    _scale(axes, shown, "x")
+    axes.set_ylim(0.0, 1.02)
+    axes.set_ylabel("share of cases")
+    axes.set_title(_marked(metric, result.step_sensitive), loc="left")
+
+
+def _draw_differences(axes: Axes, result: MonteCarlo, metric: str) -> None:
+    pairs = [one for one in result.differences if one.metric == metric]
+    for row, one in enumerate(pairs):
+        _draw_interval(axes, row - 0.14, one.median, 0)
+        _draw_interval(axes, row + 0.14, one.mean, 1)
+    axes.axvline(0.0, color="#000000", linewidth=0.8)
+    axes.set_yticks(range(len(pairs)), [f"{one.first} − {one.second}" for one in pairs])
+    axes.set_ylim(max(len(pairs), 1) - 0.5, -0.5)
+    axes.set_title("paired differences: ● median, ■ mean", loc="left")
+
+
+def _draw_interval(axes: Axes, height: float, one: Estimate, index: int) -> None:
+    if one.estimate is None:
+        return
+    axes.plot([one.estimate], [height], linestyle="none", **_marker(index))
+    if one.low is not None and one.high is not None:
+        color = drawing.STYLES[index % len(drawing.STYLES)].color
+        axes.plot([one.low, one.high], [height, height], color=color, linewidth=2.0, solid_capstyle="butt", zorder=2.0)
+
+
+def _with(tuning: Any, result: EqualEffort) -> list[Trial]:
+    return [one for one in tuning.trials if one.value(result.effort) is not None]
+
+
+def _knob(trial: Trial, name: str) -> float:
+    return trial.parameters[name]
+
+
+def _line(index: int) -> dict[str, Any]:
+    return drawing.style(index) | {"marker": MARKERS[index % len(MARKERS)], "markersize": 4.5}
+
+
+def _marker(index: int) -> dict[str, Any]:
+    one = drawing.STYLES[index % len(drawing.STYLES)]
+    return {
+        "marker": MARKERS[index % len(MARKERS)],
+        "color": one.color,
+        "markeredgecolor": "#000000",
+        "markeredgewidth": 0.5,
+        "markersize": 6.5,
+        "zorder": one.order,
+    }
+
+
+def _marked(metric: str, step_sensitive: frozenset[str], *, units: bool = True) -> str:
+    text = with_unit(metric) if units else phrase(metric)
+    return f"{text} (depends on the step)" if metric in step_sensitive else text
+
+
+def _scale(axes: Axes, values: Sequence[float], which: str) -> None:
+    """Logarithmic where all values are positive and far apart."""
+    if values and min(values) > 0.0 and max(values) > _DECADES * min(values):
+        (axes.set_xscale if which == "x" else axes.set_yscale)("log")
+
+
+def _scale_knob(axes: Axes, values: Sequence[float]) -> None:
+    """Logarithmic over a knob that spans decades; zero, if it is there, gets its own place beside them."""
+    positive = [one for one in values if one > 0.0]
+    if min(values) < 0.0 or len(positive) < 2 or max(positive) <= _DECADES * min(positive):
+        return
+    if len(positive) == len(values):
+        axes.set_xscale("log")
+    else:
+        axes.set_xscale("symlog", linthresh=min(positive), linscale=0.3)
+
+
+def _legend(figure: Figure, laws: Sequence[str], titles: Titles | None) -> None:
+    handles = [Line2D([], [], label=(titles or {}).get(law) or law, **_line(index)) for index, law in enumerate(laws)]
+    figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4), frameon=False)

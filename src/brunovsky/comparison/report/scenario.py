@@ -1,0 +1,95 @@
+"""The part of a report that belongs to one scenario: figures in their fixed order, findings, table of metrics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+
+from brunovsky.comparison import drawing, figures
+from brunovsky.comparison.facts import given
+from brunovsky.comparison.findings import scenario_findings
+from brunovsky.comparison.protocol_section import Table
+from brunovsky.comparison.run import Comparison
+from brunovsky.comparison.study import Scenario
+from brunovsky.comparison.tables import conditions, footnote, metric_rows
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of a report: its SVG and what stands below it."""
+
+    svg: str
+    caption: str
+    narrow: bool = False
+
+
+@dataclass(frozen=True)
+class ScenarioSection:
+    """What a report shows of one scenario."""
+
+    scenario: Scenario
+    conditions: str
+    figures: tuple[Picture, ...]
+    findings: tuple[str, ...]
+    table: Table
+    footnote: str
+
+
+_SIGNALS = (
+    "Axes are linear about zero and, where that isn’t enough, logarithmic beyond; traces are thinned so that peaks "
+    "remain."
+)
+# In the order in which every scenario shows them.
+_FIGURES: tuple[tuple[str, Callable[[Comparison, Scenario], Figure], str], ...] = (
+    (
+        "Path",
+        figures.path_figure,
+        "On equal scales. The lines of the laws are drawn over one another: where they coincide, all show.",
+    ),
+    ("Errors", figures.errors_figure, f"{{window}} Position errors below 1 nm are drawn at 1 nm. {_SIGNALS}"),
+    ("Physical inputs", figures.inputs_figure, f"{{window}} The law divides by η₁. {_SIGNALS}"),
+    ("Sliding variables", figures.sliding_figure, f"{{window}} {_SIGNALS}"),
+    (
+        "Phase portraits",
+        figures.phase_figure,
+        "Above error and its rate (a projection: a chain has three states), below sliding variable and its mean "
+        "rate over "
+        "each step, to the end. Dotted: the reaching law S′ = −Q S − P σ(S) without disturbance, and the boundary "
+        "layer. A "
+        "stroke that only repeats an earlier one is drawn once.",
+    ),
+)
+
+
+def scenario_section(comparison: Comparison, scenario: Scenario) -> ScenarioSection:
+    """Everything a report shows of one scenario; without figures if no run of it made a step."""
+    pairs = comparison.laws_of(scenario)
+    runs = [run for _, run in pairs]
+    rests = all(run.planned.parameters["radius"] == 0.0 for run in runs)
+    caption = f"Metrics of “{scenario.title}” ({scenario.name})"
+    caption += ". The robot ends at rest, the law’s singularity, where the guard acts" if rests else ""
+    columns = ("metric", "unit", *(law.name for law, _ in pairs))
+    rows = tuple((label, unit, *cells) for label, unit, cells in metric_rows(runs))
+    drawn = any(run.trajectory.sizes["time"] for run in runs)
+    return ScenarioSection(
+        scenario=scenario,
+        conditions=conditions(runs[0]),
+        figures=_pictures(comparison, scenario) if drawn else (),
+        findings=tuple(scenario_findings(comparison, scenario)),
+        table=Table(f"metrics-{scenario.name}", columns, rows, caption),
+        footnote=footnote(runs),
+    )
+
+
+def _pictures(comparison: Comparison, scenario: Scenario) -> tuple[Picture, ...]:
+    window = figures.transient_window(comparison, scenario)
+    until = f"The first {given(window)} s." if window < scenario.duration_s else "To the end."
+    found = []
+    for name, draw, about in _FIGURES:
+        title = f"{name}: {scenario.title}"
+        key = f"{scenario.name}-{name.lower().replace(' ', '-')}"
+        svg = drawing.svg(draw(comparison, scenario), key, title)
+        found.append(Picture(svg, f"{title}. {about.format(window=until)}", narrow=name == "Path"))
+    return tuple(found)

@@ -1,0 +1,107 @@
+"""The loops that a study can name: reference, outer loop and robot, wired as blocks, each made once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from typing import Any, Literal, get_args
+
+import brunovsky.blocks.library as library
+from brunovsky.blocks import Diagram
+
+LawKind = Literal[
+    "linear",
+    "saturation",
+    "sign",
+    "relay",
+    "sampled",
+    "super_twisting",
+    "super_twisting_sampled",
+    "integral_sliding_mode",
+    "disturbance_observer",
+    "pole_placement",
+    "flat_sliding_mode",
+    "sliding_sector",
+    "second_order_sliding_mode",
+    "polar_sliding_mode",
+    "backstepping",
+    "rest_to_rest",
+    "goal_frame",
+]
+KINDS: tuple[LawKind, ...] = get_args(LawKind)
+FAMILY: tuple[LawKind, ...] = ("linear", "saturation", "sign")
+"""Kinds that are the paper's law and differ in P and phi alone; the others are blocks of their own."""
+
+_RENAMED = {"relay": "sliding_mode_relay", "sampled": "sliding_mode_sampled"}
+_ACCELERATIONS = ("polar_sliding_mode", "backstepping")  # laws that command the bare robot
+_FROM_REST = {"rest_to_rest": "rest_to_rest", "goal_frame": "goal_frame_manoeuvre"}  # whole loops of their own
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """What stands between the law and the robot; by default nothing. See :func:`blocks.robot_with_hardware`.
+
+    Attributes
+    ----------
+    lags, delays : tuple of float, shape (2,)
+        Time constants and transport delays behind the two commands, s; 0 for none.
+    number : int
+        How many equal lags each command has, in series.
+    limits : tuple of float, shape (2,)
+        Limits of u1 (m/s2) and u2 (rad/s2); infinite for none.
+    period : float or None
+        Sampling period of sensors and commands, s; None for none.
+    noisy, matched : bool
+        Whether there is measurement noise, and a disturbance at v.
+    """
+
+    lags: tuple[float, float] = (0.0, 0.0)
+    number: int = 1
+    delays: tuple[float, float] = (0.0, 0.0)
+    limits: tuple[float, float] = (math.inf, math.inf)
+    period: float | None = None
+    noisy: bool = False
+    matched: bool = False
+
+
+IDEAL = Hardware()
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Which block a run simulates: the name of the outer loop in the library, and the hardware around it."""
+
+    controller: str = "sliding_mode"
+    hardware: Hardware = IDEAL
+
+    @property
+    def block(self) -> Diagram:
+        """The closed loop, made once."""
+        return _made(self)
+
+
+def loop_of(kind: LawKind, hardware: Hardware = IDEAL) -> Loop:
+    """Loop of a law of this kind."""
+    return Loop("sliding_mode" if kind in FAMILY else _RENAMED.get(kind, kind), hardware)
+
+
+def knows_hardware(kind: LawKind) -> bool:
+    """Whether a law commands the jerk v, so that hardware can stand around its inner loop."""
+    return kind not in _ACCELERATIONS and kind not in _FROM_REST
+
+
+@lru_cache
+def _made(loop: Loop) -> Diagram:
+    make: Callable[[], Any] = getattr(library, _FROM_REST.get(loop.controller, loop.controller))
+    if loop.controller in _FROM_REST:
+        whole: Diagram = make()
+        return whole
+    if loop.controller in _ACCELERATIONS:
+        return library.posture_loop(make())
+    controller = None if loop.controller == "sliding_mode" else make()
+    if loop.hardware == IDEAL:
+        return library.closed_loop(controller)
+    plant = library.robot_with_hardware(**asdict(loop.hardware))
+    return library.closed_loop(controller, plant=plant)

@@ -1,0 +1,107 @@
+"""Runs of a study with everything resolved to names and values of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from brunovsky._frozen import FrozenMapping
+from brunovsky.comparison.study.loops import IDEAL, Loop
+from brunovsky.comparison.study.signals import Array, Signal, noise_series
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """One scenario under one law.
+
+    Attributes
+    ----------
+    name, scenario, law : str
+        ``scenario/law`` and its parts.
+    duration, step_size : float
+        In s.
+    parameters : mapping of str to float
+        All parameters of the block, SI.
+    inputs : mapping of str to float
+        The inputs' constant part, SI.
+    loop : Loop
+        Which block it simulates.
+    signals : tuple of Signal
+        Disturbances that vary.
+    noise : mapping of str to float
+        Standard deviation of each noise input.
+    noise_period : float
+        For how long a value of the noise is held, s.
+    seed : tuple of int
+        Of the noise: equal for the laws of a scenario.
+    goal_heading : float or None
+        Heading that the robot should have at the end, where the task names one, rad; some laws don't know it.
+    """
+
+    name: str
+    scenario: str
+    law: str
+    duration: float
+    step_size: float
+    parameters: Mapping[str, float]
+    inputs: Mapping[str, float]
+    loop: Loop = field(default_factory=Loop)
+    signals: tuple[Signal, ...] = ()
+    noise: Mapping[str, float] = FrozenMapping({})
+    noise_period: float = 1e-3
+    seed: tuple[int, ...] = (0,)
+    goal_heading: float | None = None
+
+    @property
+    def is_undisturbed(self) -> bool:
+        """Whether no disturbance, constant or not, and no noise acts."""
+        return not (any(self.inputs.values()) or self.signals or self.noise)
+
+    @property
+    def is_ideal(self) -> bool:
+        """Whether sensors and actuators are ideal."""
+        return self.loop.hardware == IDEAL
+
+    @property
+    def layer(self) -> float | None:
+        """Half-width of the boundary layer (m/s2), 0 for a relay; None for a law without the paper's switching."""
+        return self.parameters.get("phi", 0.0) if self.parameters.get("P") else None
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether its inputs are constant."""
+        return not self.signals and not self.noise
+
+    def series(self, time: Array) -> dict[str, float | Array]:
+        """Inputs over time: a number where constant, else the value at each instant, held until the next."""
+        found: dict[str, float | Array] = dict(self.inputs)
+        for signal in self.signals:
+            for name, amplitude in signal.amplitudes.items():
+                found[name] = found[name] + amplitude * signal.shape(time)
+        for name, values in noise_series(self.noise, self.noise_period, self.seed, time).items():
+            found[name] = found[name] + values
+        return found
+
+    def resolved(self) -> dict[str, Any]:
+        """The same as plain data, for JSON."""
+        hardware = self.loop.hardware
+        return {
+            "name": self.name,
+            "scenario": self.scenario,
+            "law": self.law,
+            "duration": self.duration,
+            "step_size": self.step_size,
+            "parameters": dict(self.parameters),
+            "inputs": dict(self.inputs),
+            "controller": self.loop.controller,
+            "hardware": {
+                name: [str(one) if one == float("inf") else one for one in value] if isinstance(value, tuple) else value
+                for name, value in vars(hardware).items()
+            },
+            "signals": [one.model_dump(mode="json") for one in self.signals],
+            "noise": dict(self.noise),
+            "noise_period": self.noise_period if self.noise else None,
+            "seed": list(self.seed) if self.noise else None,
+            "goal_heading": self.goal_heading,
+        }

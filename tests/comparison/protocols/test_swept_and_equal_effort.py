@@ -1,0 +1,194 @@
+"""Sweeps and tuning on toy laws whose curves are known."""
+
+import json
+import math
+
+import pytest
+
+from brunovsky.comparison import drawing
+from brunovsky.comparison.protocols import Failure, Knob, equal_effort, equal_effort_figure, swept, swept_figure
+from brunovsky.errors import ParameterError, SimulationError
+
+
+def toy(slopes, iae=lambda law, P: 1.0 / (1.0 + P), effort=lambda law, P: 2.0 * P):
+    """Evaluation with an effort rms_u2 = slope * effort(P), and an IAE."""
+
+    def evaluate(law, parameters, case):
+        P = parameters["P"]
+        return {"iae": iae(law, P), "rms_u2": slopes[law] * effort(law, P), "settling_time": None}
+
+    return evaluate
+
+
+LAWS = {"layer": {}, "relay": {}}
+KNOBS = {law: Knob("P", 0.01, 100.0) for law in LAWS}
+SLOPES = {"layer": 1.0, "relay": 3.0}
+
+
+def told(result) -> str:
+    return " ".join(result.findings())
+
+
+def drawn(figure) -> str:
+    with drawing.settings():
+        return drawing.svg(figure, "test")
+
+
+def test_a_sweep_runs_every_law_at_every_value_in_order():
+    result = swept(toy(SLOPES), LAWS, "P", [3.0, 0.0, 1.0], metrics=["iae", "settling_time"])
+    assert result.laws == ("layer", "relay") and result.values == (0.0, 1.0, 3.0)
+    assert result.curve("relay", "iae") == ([0.0, 1.0, 3.0], [1.0, 0.5, 0.25])
+    assert result.curve("relay", "settling_time") == ([], [])
+    assert len(result.rows()) == 6 and result.rows()[0]["iae [m s]"] == 1.0
+    assert drawn(swept_figure(result)).startswith("<svg")
+
+
+@pytest.mark.parametrize(
+    ("curve", "words"),
+    [
+        (lambda P: 1.0 / (1.0 + P), "falls from 1.00 to 0.250"),
+        (lambda P: 1.0 + P, "rises from 1.00 to 4.00"),
+        (lambda P: 1.0 + 1e-4 * P, "hardly changes"),
+        (lambda P: 0.0, "hardly changes"),
+        (lambda P: (P - 1.0) ** 2 + 1.0, "least at 1 (1.00) and largest at 3 (5.00)"),
+        (lambda P: None, "defined for fewer than two values"),
+    ],
+)
+def test_the_words_on_a_sweep_follow_its_numbers(curve, words):
+    result = swept(toy(SLOPES, iae=lambda _, P: curve(P)), {"layer": {}}, "P", [0.0, 1.0, 3.0], metrics=["iae"])
+    assert words in told(result)
+
+
+def test_no_trend_is_told_of_what_depends_on_the_step():
+    result = swept(toy(SLOPES), LAWS, "P", [0.0, 1.0], metrics=["iae"], step_sensitive=["iae"])
+    assert "falls" not in told(result) and "no trend is told" in told(result)
+
+
+@pytest.mark.parametrize("values", [[1.0], [1.0, 1.0], [0.0, math.nan]])
+def test_sweeps_over_nothing_are_refused(values):
+    with pytest.raises(ParameterError, match="at least two finite values"):
+        swept(toy(SLOPES), LAWS, "P", values, metrics=["iae"])
+    with pytest.raises(ParameterError, match="at least 1"):
+        swept(toy(SLOPES), {}, "P", [0.0, 1.0], metrics=["iae"])
+
+
+def test_failed_runs_are_told_and_never_a_nan():
+    def evaluate(law, parameters, case):
+        if parameters["P"] == 1.0:
+            raise SimulationError("diverged at t = 1 s; shorten the step")
+        return None if parameters["P"] > 1.0 else {"iae": math.nan}
+
+    result = swept(evaluate, {"relay": {}}, "P", [0.0, 1.0, 3.0], metrics=["iae"])
+    assert [one.failure.reason if one.failure else "" for one in result.trials] == [
+        "",
+        "diverged at t = 1 s; shorten the step",
+        "the run failed without giving a reason",
+    ]
+    assert "2 of 3 runs failed; the first: diverged at t = 1 s" in told(result)
+    assert result.rows()[0]["iae [m s]"] is None
+    json.dumps(result.as_dict(), allow_nan=False)
+    assert drawn(swept_figure(result)).startswith("<svg")
+
+
+@pytest.mark.parametrize("target", [0.5, 7.0, 123.0])
+@pytest.mark.parametrize(
+    "effort", [lambda _, P: 2.0 * P, lambda _, P: P**3, lambda _, P: 5.0 / P], ids=["line", "cube", "falling"]
+)
+def test_tuning_hits_the_effort_within_one_per_cent(target, effort):
+    result = equal_effort(toy(SLOPES, effort=effort), LAWS, KNOBS, "rms_u2", target, metrics=["iae"])
+    for one in result.tunings:
+        assert one.status == "tuned" and one.monotone
+        assert one.trial.value("rms_u2") == pytest.approx(target, rel=0.01)
+        exact = SLOPES[one.law] * effort(one.law, one.value)
+        assert exact == pytest.approx(target, rel=0.01)
+        assert one.runs <= result.budget
+    json.dumps(result.as_dict(), allow_nan=False)
+
+
+def test_equal_effort_tells_the_order_of_the_numbers_and_flips_with_them():
+    def found(better):
+        iae = {"layer": 1.0, "relay": 1.0} | {better: 0.5}
+        return equal_effort(toy(SLOPES, iae=lambda law, _: iae[law]), LAWS, KNOBS, "rms_u2", 6.0, metrics=["iae"])
+
+    assert "lowest under “relay”, by 50" in told(found("relay"))
+    assert "lowest under “layer”, by 50" in told(found("layer"))
+    assert [row["status"] for row in found("layer").rows()] == ["tuned", "tuned"]
+    assert drawn(equal_effort_figure(found("layer"))).startswith("<svg")
+
+
+def test_what_the_tolerance_of_the_tuning_explains_is_not_told():
+    near = equal_effort(
+        toy(SLOPES, iae=lambda law, P: 1.0 + 0.005 * (law == "relay")), LAWS, KNOBS, "rms_u2", 6.0, metrics=["iae"]
+    )
+    assert "lowest under" not in told(near) and "tolerance of the tuning explains" in told(near)
+    # an IAE that goes with the tenth power of the effort, five per cent apart: half a per cent of effort explains it
+    steep = equal_effort(
+        toy(SLOPES, iae=lambda law, P: (1.0 + 0.05 * (law == "relay")) * (SLOPES[law] * P) ** 10),
+        LAWS,
+        KNOBS,
+        "rms_u2",
+        6.0,
+        metrics=["iae"],
+    )
+    assert "tolerance of the tuning explains" in told(steep)
+
+
+@pytest.mark.parametrize("sensitive", ["iae", "rms_u2"])
+def test_no_law_is_ranked_by_what_depends_on_the_step(sensitive):
+    result = equal_effort(
+        toy(SLOPES), LAWS, KNOBS, "rms_u2", 6.0, metrics=["iae", "settling_time"], step_sensitive=[sensitive]
+    )
+    assert "lowest under" not in told(result) and "depends on the step" in told(result)
+
+
+@pytest.mark.parametrize(
+    ("effort", "status", "words"),
+    [
+        (lambda _, P: 0.01 * P, "out of range", "and 1.00 over P from 0.01 to 100, and the target is 4.00"),
+        (lambda _, P: 3.0 + 2.5 * math.sin(2.0 * math.log(P)), "ambiguous", "not monotone"),
+        (lambda _, P: 1.0 if P < 0.5 else 9.0, "jumps", "jumps past its target"),
+        (lambda _, P: None, "failed", "no run over"),
+    ],
+)
+def test_a_law_that_can_not_be_tuned_says_why(effort, status, words):
+    def evaluate(law, parameters, case):
+        found = effort(law, parameters["P"])
+        return Failure("singular at t = 2 s", singular=True) if found is None else {"rms_u2": found, "iae": 1.0}
+
+    result = equal_effort(evaluate, LAWS, KNOBS, "rms_u2", 4.0, metrics=["iae"])
+    assert [one.status for one in result.tunings] == [status, status]
+    assert words in told(result) and "nothing to compare" in told(result)
+    assert all(one.trial is None and one.runs <= 40 for one in result.tunings)
+    assert all(row["failure"] and row["rms_u2 [rad/s²]"] is None for row in result.rows())
+    json.dumps(result.as_dict(), allow_nan=False)
+    assert drawn(equal_effort_figure(result)).startswith("<svg")
+
+
+def test_a_failure_where_the_target_is_looked_for_is_told():
+    def evaluate(law, parameters, case):
+        return Failure("diverged") if 1.0 < parameters["P"] < 3.0 else {"rms_u2": parameters["P"]}
+
+    one = equal_effort(evaluate, {"relay": {}}, KNOBS, "rms_u2", 2.0, metrics=[]).tunings[0]
+    assert one.status == "failed" and "the run at P = " in one.reason and one.reason.endswith("failed: diverged")
+
+
+def test_the_budget_is_kept():
+    one = equal_effort(
+        toy(SLOPES, effort=lambda _, P: math.exp(P)), {"relay": {}}, KNOBS, "rms_u2", 9.0, metrics=[], scan=9, budget=10
+    ).tunings[0]
+    assert one.status == "budget" and one.runs == 10
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"target": 0.0}, {"target": math.nan}, {"rtol": 0.0}, {"scan": 2}, {"budget": 5}, {"knobs": {}}]
+)
+def test_unusable_requests_are_refused(wrong):
+    given = {"knobs": KNOBS, "effort": "rms_u2", "target": 1.0, "metrics": []} | wrong
+    with pytest.raises(ParameterError, match="equal_effort"):
+        equal_effort(toy(SLOPES), LAWS, **given)
+
+
+@pytest.mark.parametrize("ends", [(0.0, 1.0), (2.0, 1.0), (1.0, math.inf)])
+def test_a_knob_without_a_logarithmic_range_is_refused(ends):
+    with pytest.raises(ParameterError, match="range of P"):
+        Knob("P", *ends)
