@@ -142,6 +142,8 @@ def test_rest_at_the_goal_is_no_approach_to_the_singularity():
     assert regulation.min_speed_moving == pytest.approx(3.0 * 0.01, rel=3e-3)
     tracking = compute_metrics(record(x=TIME, eta1=1.0 + 0.9 * np.sin(TIME)))
     assert tracking.min_speed_moving == tracking.min_speed == pytest.approx(0.1, abs=1e-6)
+    reversing = compute_metrics(record(x=TIME, eta1=np.where(TIME < 3.0005, 1.0, -1.0)))
+    assert (reversing.min_speed_moving, reversing.min_speed) == (0.0, 1.0)
 
 
 def test_what_was_not_recorded_is_none():

@@ -166,9 +166,9 @@ FURTHER_METRICS = tuple(
             "smallest |η₁| while moving",
             "m/s",
             "Smallest magnitude of the forward velocity while there is somewhere to go: over the whole run if the "
-            "reference moves by more than 1 cm, otherwise until the settling time. It tells a passage near the "
-            "singularity from rest at the goal.",
-            "min |η₁(t)|, t ≤ T or t ≤ settling time",
+            "reference moves by more than 1 cm, otherwise until the settling time; 0 if the velocity changes its "
+            "sign meanwhile, between whatever steps. It tells a passage near the singularity from rest at the goal.",
+            "min |η₁(t)|, t ≤ T or t ≤ settling time; 0 where η₁ changes sign",
         ),
         (
             "peak_forward_acceleration",

@@ -44,7 +44,7 @@ class Metrics:
         Sums of absolute changes from one internal step to the next (m/s2, rad/s2).
     min_speed_moving : float or None
         Smallest abs(eta1) while there is somewhere to go (m/s): all along if the reference moves by more than 1 cm,
-        otherwise until the settling time.
+        otherwise until the settling time; 0 if eta1 changes its sign meanwhile.
     peak_forward_acceleration : float
         Largest abs(u1) (m/s2).
     rms_u1, rms_u2 : float
@@ -115,7 +115,8 @@ def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None) -> Me
 
 def _of_motion(trajectory: xr.Dataset) -> dict[str, float | None]:
     time, error = instants(trajectory), position_error(trajectory)
-    speed = np.abs(values(trajectory, "eta[1]"))
+    velocity = values(trajectory, "eta[1]")
+    speed = np.abs(velocity)
     u1, u2 = values(trajectory, "u[1]"), values(trajectory, "u[2]")
     settled = settling_time(time, error)
     return {
@@ -132,20 +133,22 @@ def _of_motion(trajectory: xr.Dataset) -> dict[str, float | None]:
         "effort_u2": integral(time, u2**2),
         "total_variation_u1": total_variation(u1),
         "total_variation_u2": total_variation(u2),
-        "min_speed_moving": _min_speed_moving(trajectory, time, speed, settled),
+        "min_speed_moving": _min_speed_moving(trajectory, time, velocity, settled),
         "peak_forward_acceleration": float(np.max(np.abs(u1))),
         "rms_u1": rms_over_time(time, u1),
         "rms_u2": rms_over_time(time, u2),
     }
 
 
-def _min_speed_moving(trajectory: xr.Dataset, time: Array, speed: Array, settled: float | None) -> float | None:
+def _min_speed_moving(trajectory: xr.Dataset, time: Array, velocity: Array, settled: float | None) -> float | None:
     if "x" not in trajectory or "y" not in trajectory:
         return None
     pairs = zip(("x", "y"), error_names(trajectory), strict=True)
     extents = [np.ptp(values(trajectory, own) - values(trajectory, off)) for own, off in pairs]
     moves = max(extents) > SETTLED
-    return float(np.min(speed if moves or settled is None else speed[time <= settled]))
+    moving = velocity if moves or settled is None else velocity[time <= settled]
+    reverses = np.min(moving) < 0.0 < np.max(moving)
+    return 0.0 if reverses else float(np.min(np.abs(moving)))
 
 
 def _of_jerk(trajectory: xr.Dataset) -> dict[str, float | None]:
