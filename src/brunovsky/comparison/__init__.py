@@ -25,6 +25,7 @@ from brunovsky.comparison.protocol_section import ProtocolSection, Table
 from brunovsky.comparison.readme import readme_figure
 from brunovsky.comparison.report import ReportFiles, compare_study, render_report, write_report
 from brunovsky.comparison.run import Comparison, Run, run_study
+from brunovsky.comparison.schema import study_schema
 from brunovsky.comparison.study import Law, Scenario, Study, load_study
 from brunovsky.comparison.study.chatter_grid import ChatterGrid, ChatterTable
 from brunovsky.comparison.summary import summary_markdown
@@ -60,6 +61,7 @@ __all__ = [
     "readme_figure",
     "render_report",
     "run_study",
+    "study_schema",
     "summary_markdown",
     "write_analysis",
     "write_report",

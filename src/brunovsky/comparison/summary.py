@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from brunovsky.comparison.claims import claims
+from brunovsky.comparison.claims import claims, examined
 from brunovsky.comparison.facts import CONVERGED
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.run import Comparison
@@ -30,7 +30,7 @@ def summary_markdown(comparison: Comparison) -> str:
         f"{MARK.strip()} changes by more than {100 * CONVERGED:g} %.",
     ]
     found = claims(comparison)
-    if found:
+    if examined(found):
         lines += ["", "## What the paper claims, and what these runs show", ""]
         lines += [f"- {claim.quote}: **{claim.verdict}**. {claim.shown}" for claim in found]
     for scenario in study.scenarios:

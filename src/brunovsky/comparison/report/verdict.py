@@ -21,10 +21,10 @@ def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[
     """Sentences of the verdict, the weightiest first.
 
     A difference between two runs is told if both numbers and the difference itself are converged with the step; the
-    others are counted and rank no law. Runs that failed come first and are in no comparison.
+    others are counted and rank no law. Runs that failed come first, and are in no comparison.
     """
     groups = _against_pole_placement(comparison)
-    sentences = [_ended(comparison)]
+    sentences: list[str] = []
     for label, pairs in groups:
         sentences += _compared(label, pairs)
     if not groups:
@@ -32,7 +32,10 @@ def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[
             "No scenario has a run under pole placement and one under another law that both reached their end: nothing "
             "is compared."
         )
-    return [*sentences, *_strain(comparison), *_on_claims(claims), *(one.headline for one in sections if one.headline)]
+    sentences += [one.headline for one in sections if one.headline]
+    ended, complete = _ended(comparison), all(run.ok for run in comparison.runs)
+    around = [*_strain(comparison), *_on_claims(claims)]
+    return [*sentences, *around, ended] if complete else [ended, *sentences, *around]
 
 
 def _ended(comparison: Comparison) -> str:
