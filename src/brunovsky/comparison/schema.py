@@ -7,24 +7,26 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from brunovsky.comparison.keys import Key, bounds, input_keys, parameter_keys
-from brunovsky.comparison.study import SWITCHING, Study
+from brunovsky.comparison.study import Study
+from brunovsky.comparison.study.keys import Key, all_parameter_keys, bounds, input_keys
+from brunovsky.comparison.study.law import SWITCHING
 
 
 def study_schema() -> dict[str, Any]:
     """JSON schema of a study file (draft 2020-12), with the keys of the model, their units and their ranges.
 
-    What a schema cannot say (that laws a scenario names exist, that a boundary layer is not too thin for the step) is
-    checked by :func:`load_study` alone.
+    What a schema does not say (which parameters a kind of law has, that laws a scenario names exist, that a boundary
+    layer is not too thin for the step) is checked by :func:`load_study` alone.
     """
     schema = Study.model_json_schema()
-    shared = {text: key for text, key in parameter_keys().items() if key.variable.name not in SWITCHING}
-    law = {text: key for text, key in parameter_keys().items() if key.variable.name in SWITCHING}
+    known = all_parameter_keys()
+    shared = {text: key for text, key in known.items() if key.variable.name not in SWITCHING}
     definitions = schema["$defs"]
     _name_keys(schema, "parameters", shared)
     _name_keys(definitions["Scenario"], "parameters", shared)
     _name_keys(definitions["Scenario"], "disturbances", input_keys())
-    _name_keys(definitions["Law"], "parameters", law)
+    _name_keys(definitions["Signal"], "amplitude", input_keys())
+    _name_keys(definitions["Law"], "parameters", known)
     chatter = definitions["ChatterTable"]["properties"]
     chatter["delay_s"] = _or_number(chatter["delay_s"])
     chatter["parameters"]["additionalProperties"] = _or_number(chatter["parameters"]["additionalProperties"])

@@ -4,9 +4,9 @@ import json
 import math
 
 import pytest
+from brunovsky.comparison.keys import study_block
 
 from brunovsky.comparison.engines import NativeSimulation
-from brunovsky.comparison.keys import study_block
 from brunovsky.comparison.metrics import compute_metrics
 from brunovsky.comparison.protocols import (
     Distribution,
