@@ -19,7 +19,7 @@ from brunovsky.comparison.agreement import Agreement, cross_check
 from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, Status, check_outcome, opened_fmu
 from brunovsky.comparison.facts import Facts, compute_facts
 from brunovsky.comparison.keys import study_block
-from brunovsky.comparison.metrics import Metrics, compute_metrics
+from brunovsky.comparison.metrics import REACHED, Metrics, compute_metrics
 from brunovsky.comparison.study import EngineName, Law, PlannedRun, Scenario, Study
 
 Progress = Callable[[int, int, str], None]
@@ -140,35 +140,36 @@ def run_study(
     report = progress or (lambda done, total, what: None)
     plan = study.plan()
     native = NativeSimulation(study_block())
+    band = max([REACHED, *(one.parameters["phi"] for one in plan if one.parameters["P"])])
     chosen = engine or study.engine
     with _engine(chosen, native, folder, fmu, lambda: report(0, len(plan), "building the FMU")) as simulator:
         runs = []
         for index, planned in enumerate(plan):
             report(index, len(plan), planned.name)
-            runs.append(_run(planned, simulator, native))
+            runs.append(_run(planned, simulator, native, band))
         report(len(plan), len(plan), "runs")
         provenance = study_provenance(study, **simulator.provenance(), step_size=study.step_size_s)
     return Comparison(study, chosen, tuple(runs), FrozenMapping(provenance))
 
 
-def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
+def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation, band: float) -> Run:
     outcome = check_outcome(engine.run(planned))
     agreement = None if engine is native else cross_check(planned, outcome, check_outcome(native.run(planned)))
-    metrics, facts = _measured(planned, outcome)
-    half = _half_step(planned, native) if facts is not None else None
+    metrics, facts = _measured(planned, outcome, band)
+    half = _half_step(planned, native, band) if facts is not None else None
     return Run(planned, outcome.trajectory, outcome.status, metrics, agreement, facts, half)
 
 
-def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:
+def _half_step(planned: PlannedRun, native: NativeSimulation, band: float) -> HalfStep:
     finer = replace(planned, step_size=0.5 * planned.step_size)
-    return HalfStep(*_measured(finer, check_outcome(native.run(finer))))
+    return HalfStep(*_measured(finer, check_outcome(native.run(finer)), band))
 
 
-def _measured(planned: PlannedRun, outcome: Outcome) -> tuple[Metrics, Facts | None]:
+def _measured(planned: PlannedRun, outcome: Outcome, band: float) -> tuple[Metrics, Facts | None]:
     if outcome.status.state != "ok":
         return Metrics(), None
     layer = planned.parameters["phi"] if planned.parameters["P"] else None
-    return compute_metrics(outcome.trajectory, layer=layer), compute_facts(outcome.trajectory)
+    return compute_metrics(outcome.trajectory, layer=layer, band=band), compute_facts(outcome.trajectory)
 
 
 @contextlib.contextmanager
