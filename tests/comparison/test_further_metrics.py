@@ -59,6 +59,8 @@ def test_reaching_time_of_a_decay_is_that_to_its_band(layer, band):
     metrics = compute_metrics(record(S1=np.exp(-TIME), S2=-3.0 * np.exp(-TIME)), layer=layer)
     assert metrics.reaching_time == pytest.approx(math.log(3.0 / band), abs=1e-3)
     assert metrics.sliding_band == pytest.approx(3.0 * math.exp(-6.0))
+    common = compute_metrics(record(S1=np.exp(-TIME)), layer=layer, band=0.1)
+    assert common.reaching_time == pytest.approx(math.log(10.0), abs=1e-3)
 
 
 def test_a_surface_that_is_left_again_is_not_reached_before():

@@ -52,8 +52,8 @@ class Metrics:
     effort_v : float or None
         Integral of v1^2 + v2^2 (m2/s5).
     reaching_time : float or None
-        Last time max(abs(S1), abs(S2)) exceeds the boundary layer, at least 0.01 m/s2 (s); 0 if it never does, None if
-        it still does at the end.
+        Last time max(abs(S1), abs(S2)) exceeds the band about zero (s); 0 if it never does, None if it still does at
+        the end.
     sliding_band : float or None
         Largest abs(S1), abs(S2) in the last quarter (m/s2).
     chatter_frequency, chatter_amplitude : float or None
@@ -95,7 +95,7 @@ class Metrics:
         return asdict(self)
 
 
-def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None) -> Metrics:
+def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None, band: float | None = None) -> Metrics:
     """Metrics of a complete trajectory.
 
     Parameters
@@ -107,9 +107,14 @@ def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None) -> Me
     layer : float, optional
         Half-width phi of the boundary layer (m/s2), 0 for a relay; None for a law that does not switch, which can't
         chatter.
+    band : float, optional
+        Within which S counts as reached (m/s2): one for all laws that are compared; by default the layer, at least
+        0.01 m/s2.
     """
+    if band is None:
+        band = max(layer or 0.0, REACHED)
     with np.errstate(over="ignore", invalid="ignore"):
-        found = _of_motion(trajectory) | _of_jerk(trajectory) | _of_switching(trajectory, layer)
+        found = _of_motion(trajectory) | _of_jerk(trajectory) | _of_switching(trajectory, layer, band)
     return Metrics(**{name: _finite(value) for name, value in found.items()})
 
 
@@ -158,14 +163,14 @@ def _of_jerk(trajectory: xr.Dataset) -> dict[str, float | None]:
     return {"effort_v": integral(instants(trajectory), squares)}
 
 
-def _of_switching(trajectory: xr.Dataset, layer: float | None) -> dict[str, float | None]:
+def _of_switching(trajectory: xr.Dataset, layer: float | None, band: float) -> dict[str, float | None]:
     if "S[1]" not in trajectory or "S[2]" not in trajectory:
         return {}
     time, last = instants(trajectory), tail(instants(trajectory))
     surfaces = [values(trajectory, "S[1]"), values(trajectory, "S[2]")]
     largest = np.max(np.abs(surfaces), axis=0)
     found = {
-        "reaching_time": settling_time(time, largest, max(layer or 0.0, REACHED)),
+        "reaching_time": settling_time(time, largest, band),
         "sliding_band": float(np.max(largest[last])),
     }
     if layer is None:

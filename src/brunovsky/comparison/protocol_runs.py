@@ -113,7 +113,7 @@ class _Trials:
             self.agreement.append(cross_check(planned, outcome, check_outcome(self.native.run(planned), planned)))
         if outcome.status.state != "ok":
             return Failure(outcome.status.message, outcome.status.state == "singular")
-        return compute_metrics(outcome.trajectory, layer=planned.layer).as_dict()
+        return compute_metrics(outcome.trajectory, layer=planned.layer, band=planned.band).as_dict()
 
     def drawn(self) -> dict[str, tuple[float, ...]]:
         """Poses by key, a value for each case."""

@@ -190,7 +190,8 @@ def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:
 def _measured(planned: PlannedRun, outcome: Outcome) -> tuple[Metrics, Facts | None]:
     if outcome.status.state != "ok":
         return Metrics(), None
-    return compute_metrics(outcome.trajectory, layer=planned.layer), compute_facts(outcome.trajectory)
+    metrics = compute_metrics(outcome.trajectory, layer=planned.layer, band=planned.band)
+    return metrics, compute_facts(outcome.trajectory)
 
 
 @contextlib.contextmanager

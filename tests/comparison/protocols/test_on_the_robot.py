@@ -37,7 +37,7 @@ def evaluation(duration=4.0, step=2e-3):
         outcome = engine.run(PlannedRun("", "", law, duration, step, values, inputs))
         if outcome.status.state != "ok":
             return Failure(outcome.status.message, singular=outcome.status.state == "singular")
-        return compute_metrics(outcome.trajectory, layer=values["phi"] if values["P"] else None).as_dict()
+        return compute_metrics(outcome.trajectory, layer=values["phi"] if values["P"] else None, band=0.05).as_dict()
 
     return evaluate
 

@@ -25,6 +25,7 @@ def planned_run(
     shared: Mapping[str, float],
     step_size: float,
     seed: tuple[int, ...],
+    band: float,
     changed: Mapping[str, float] = NOTHING,
     duration: float | None = None,
 ) -> PlannedRun:
@@ -60,6 +61,7 @@ def planned_run(
         noise=FrozenMapping(scenario.noise.deviations),
         noise_period=scenario.noise.period_s or step_size,
         seed=seed,
+        band=band,
         goal_heading={**tables, **changed}.get(GOAL_HEADING),
     )
 

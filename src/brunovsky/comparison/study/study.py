@@ -16,6 +16,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from brunovsky._frozen import FrozenMapping
+from brunovsky.comparison.metrics import REACHED
 from brunovsky.comparison.study.chatter_grid import MOST_POINTS, ChatterGrid, ChatterTable
 from brunovsky.comparison.study.keys import loop_keys, parameter_keys, remedy, study_block
 from brunovsky.comparison.study.law import Law, Name
@@ -170,7 +171,14 @@ class Study(StudyTable):
             shared=self.parameters,
             step_size=self.step_size_s,
             seed=seed_of(self.seed, scenario.name),
+            band=self.band,
         )
+
+    @property
+    def band(self) -> float:
+        """Half-width of the band about S = 0 that counts as reached under every law: the widest layer, m/s2."""
+        layers = (law.values.get("phi", 0.0) for law in self.laws if law.in_family and law.values["P"])
+        return max([REACHED, *layers])
 
     def scenario(self, name: str) -> Scenario:
         """The scenario of this name."""
@@ -192,6 +200,7 @@ class Study(StudyTable):
             shared=self.parameters,
             step_size=protocol.step_size_s or self.step_size_s,
             seed=seed or seed_of(self.seed, scenario.name),
+            band=self.band,
             changed=changed,
             duration=protocol.duration_s,
         )
