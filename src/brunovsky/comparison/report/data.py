@@ -7,7 +7,6 @@ from typing import Any
 from brunovsky.comparison.agreement import POSITION_TOLERANCE
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocol_section import Cell, Table
-from brunovsky.comparison.protocol_sections import protocol_data
 from brunovsky.comparison.report.files import trace_name
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import step_sensitivity
@@ -40,7 +39,6 @@ def metrics_data(comparison: Comparison) -> dict[str, Any]:
             }
             for run in comparison.runs
         ],
-        "protocols": protocol_data(comparison),
     }
 
 
