@@ -24,9 +24,7 @@ NODES = 24
 """Gauss points on a path."""
 ORDER = 8
 """Of the norms that stand for maxima; even."""
-RESERVE = 0.75
-"""Part of the limits of acceleration that plans use; the rest is for what disturbs and for the law that tracks."""
-SPEED_RESERVE = 0.95
+SPEED_SHARE = 0.95
 """Part of the limit of speed that plans use."""
 TURN_SHARE = 0.2
 """Part of the yaw acceleration that a rising speed may take, u2 = k' V^2 + k V'; the remainder is for the cruise."""
@@ -42,10 +40,11 @@ class Limits:
     acceleration: sp.Expr
     yaw_acceleration: sp.Expr
 
-    @property
-    def planned(self) -> Limits:
-        """What a plan uses of them."""
-        return Limits(SPEED_RESERVE * self.speed, RESERVE * self.acceleration, RESERVE * self.yaw_acceleration)
+    def planned(self, reserve: sp.Expr) -> Limits:
+        """What a plan uses of them: of the accelerations all but the reserve, a part from 0 to 1."""
+        return Limits(
+            SPEED_SHARE * self.speed, (1 - reserve) * self.acceleration, (1 - reserve) * self.yaw_acceleration
+        )
 
 
 @dataclass(frozen=True)
