@@ -155,6 +155,27 @@ def test_a_goal_that_changes_while_moving_is_reached(loop: Block) -> None:
     assert abs(outputs["eta[1]"]) < 1e-3 and abs(outputs["eta[2]"]) < 1e-3
 
 
+def check_disturbed(loop: Block, number: int, seed: int) -> None:
+    """All arrive within all limits under the largest disturbances and errors of mass and inertia."""
+    poses, rng = resting_poses(number, seed=seed), np.random.default_rng(seed)
+    for k in range(number):
+        start = {name: float(poses[name][k]) for name in ("x_start", "y_start", "theta_start", "goal_heading")}
+        wrong = {f"rho[{i}]": float(rng.choice([0.8, 1.2])) for i in (1, 2)}
+        pushes = {f"d[{i}]": float(rng.choice([-0.2, 0.2])) for i in (1, 2)}
+        data = br.simulate(loop, 20.0, parameters=AT_ORIGIN | start | wrong, inputs=pushes, record=RECORD)
+        check_limits(data)
+        assert arrival(data, start["goal_heading"]) <= 20.0, (start, wrong, pushes)
+
+
+def test_disturbed_poses_are_reached_within_all_limits(loop: Block) -> None:
+    check_disturbed(loop, 4, seed=2)
+
+
+@pytest.mark.slow
+def test_a_hundred_disturbed_poses_are_reached_within_all_limits(loop: Block) -> None:
+    check_disturbed(loop, 100, seed=0)
+
+
 @pytest.mark.parametrize("rho", [0.8, 1.2])
 @pytest.mark.parametrize("law", [{}, {"P": 0.5}])
 def test_disturbances_and_another_mass_do_not_keep_it_from_the_goal(

@@ -96,7 +96,7 @@ def _shown(text: str) -> str:
 def _shortened(expressions: Sequence[sp.Basic], prefix: str) -> tuple[list[str], list[sp.Basic]]:
     """Equations of the common subexpressions of long expressions, and the expressions in terms of these."""
     long = [one for one in expressions if sum(1 for _ in sp.preorder_traversal(one)) > LONG]
-    common, reduced = sp.cse(long, symbols=sp.numbered_symbols(prefix)) if long else ([], [])
+    common, reduced = sp.cse(long, symbols=sp.numbered_symbols(prefix), order="none") if long else ([], [])
     short = dict(zip(long, reduced, strict=True))
     lines = [_shown(equation(mathml(name), value)) for name, value in common]
     return ["<p>With</p>", *lines] if lines else [], [short.get(one, one) for one in expressions]
