@@ -73,6 +73,8 @@ BLOCKS: Mapping[str, Callable[[], br.Block]] = {
         "polar_sliding_mode",
         "backstepping",
         "closed_loop",
+        "regulator",
+        "rest_to_rest",
     )
 }
 
