@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import jinja2
 
 from brunovsky.comparison import drawing, figures
-from brunovsky.comparison.agreement import POSITION_TOLERANCE
+from brunovsky.comparison.agreement import POSITION_TOLERANCE, agreement_text, engine_text
 from brunovsky.comparison.claims import claims
 from brunovsky.comparison.equations import determinant, inner_loop_equations, plant_equations
 from brunovsky.comparison.facts import given, joined, number
@@ -41,8 +41,8 @@ def compare_study(
     study : Study or path
         A study, or its file (TOML).
     folder : path
-        Where ``report.html``, ``metrics.json`` and ``fmus/`` go; made if missing.
-    engine : {"fmpy", "native"}, optional
+        Where ``report.html``, ``metrics.json`` and ``fmus/`` or ``ssps/`` go; made if missing.
+    engine : {"fmpy", "native", "ssp"}, optional
         In place of the study's own choice.
     progress : function of (done, total, what), optional
         See :func:`run_study`.
@@ -116,7 +116,9 @@ def agreement_data(comparison: Comparison) -> dict[str, Any] | None:
     return {
         "max_position_difference": max(positions, default=None),
         "all_agree": all(one.agrees for one in found),
-        "position_tolerance": POSITION_TOLERANCE,
+        "position_tolerance": POSITION_TOLERANCE if found[0].basis == "rounding" else None,
+        "basis": found[0].basis,
+        "text": agreement_text(found, comparison.provenance),
         "runs": [one.as_dict() for one in found],
     }
 
@@ -153,6 +155,9 @@ def render_report(comparison: Comparison) -> str:
         guards=joined(sorted({given(run.planned.parameters["eta_min"]) for run in comparison.runs})),
         failed=[run for run in comparison.runs if not run.ok],
         agreement=agreement_data(comparison),
+        engine_text=engine_text(
+            comparison.engine, comparison.provenance, [one.agreement for one in comparison.runs if one.agreement]
+        ),
         provenance=_plain(comparison.provenance),
         resolved=json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False),
         number=number,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -127,6 +127,24 @@ def coupled_rows(
             part.set_outside(table[index])
         _step(parts, scheme, float(begin), float(end - begin))
         yield [parts[name].value(variable) for name, variable in shown]
+
+
+def stepping_order(components: Sequence[str], direct: Collection[tuple[str, str]]) -> tuple[str, ...]:
+    """Order in which components step in sequence: each after those that drive it directly, else as they are given.
+
+    Parameters
+    ----------
+    components : sequence of str
+        In the order that holds where nothing else is known; also where direct connections close a loop.
+    direct : collection of (str, str)
+        Source and target of connections without a state behind them: they carry what the source was given just before.
+    """
+    left, order = list(components), list[str]()
+    while left:
+        ready = (one for one in left if not any((other, one) in direct for other in left if other != one))
+        order.append(next(ready, left[0]))
+        left.remove(order[-1])
+    return tuple(order)
 
 
 def _collected(part: Part, parts: Mapping[str, Part], shifts: Mapping[str, float]) -> Array:

@@ -110,7 +110,7 @@ def _part(
     stack: ExitStack,
 ) -> Part:
     """A component in process, in initialisation mode with its parameters set."""
-    fmu = stack.enter_context(component(diagram.components[name]))
+    fmu: Any = stack.enter_context(component(diagram.components[name]))
     starts = {
         variable: values[key] for key, ports in plan.parameters.items() for part, variable in ports if part == name
     }

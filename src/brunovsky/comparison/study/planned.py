@@ -35,6 +35,8 @@ class PlannedRun:
         For how long a value of the noise is held, s.
     seed : tuple of int
         Of the noise: equal for the laws of a scenario.
+    given : frozenset of str
+        Parameters and inputs that the study itself sets; the others are the block's defaults.
     """
 
     name: str
@@ -49,6 +51,7 @@ class PlannedRun:
     noise: Mapping[str, float] = FrozenMapping({})
     noise_period: float = 1e-3
     seed: tuple[int, ...] = (0,)
+    given: frozenset[str] = frozenset()
 
     @property
     def is_undisturbed(self) -> bool:
