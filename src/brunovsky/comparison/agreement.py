@@ -40,6 +40,8 @@ class Agreement:
         file of the user's own is another model.
     position_at_half_step : float or None
         `position` with half the communication step, m; for coupling alone.
+    bound : float or None
+        Bound of `position` to first order in the communication step, m; for coupling where it is known.
     """
 
     run: str
@@ -49,6 +51,7 @@ class Agreement:
     explanation: str
     basis: Basis = "rounding"
     position_at_half_step: float | None = None
+    bound: float | None = None
 
     @property
     def agrees(self) -> bool:
@@ -76,6 +79,7 @@ def cross_check(
     *,
     basis: Basis = "rounding",
     finer: Outcome | None = None,
+    bound: float | None = None,
 ) -> Agreement:
     """Compare a run with its native twin over the instants both reached; `finer` is it at half the communication step.
 
@@ -86,7 +90,7 @@ def cross_check(
         basis != "rounding" or abs((outcome.status.time or 0.0) - (native.status.time or 0.0)) < 1e-9
     )
     half = _differences(finer, native)[1] if finer is not None and finer.status.state == "ok" else None
-    found = Agreement(planned.name, position, differences, same, "", basis, half)
+    found = Agreement(planned.name, position, differences, same, "", basis, half, bound)
     apart = position is not None and position > POSITION_TOLERANCE
     return replace(found, explanation=_explanation(planned, native, found)) if apart and same else found
 
@@ -150,7 +154,7 @@ def agreement_text(found: Sequence[Agreement], provenance: Mapping[str, Any]) ->
             f"{largest} m at {given(step)} ms"
             + (f", and {number(max(halves))} m at half of it" if halves else "")
             + f"; {every} "
-            f"half the step leaves at most {HALVED:g} of it, as an error of first order does."
+            f"half the step leaves at most {HALVED:g} of it, as an error of first order does.{_bounds_text(found)}"
         )
     if found[0].basis == "models":
         return (
@@ -163,6 +167,19 @@ def agreement_text(found: Sequence[Agreement], provenance: Mapping[str, Any]) ->
     return (
         "Each run was repeated by the native simulation. The largest distance between the two positions is "
         f"{largest} m{below if agrees else ''}."
+    )
+
+
+def _bounds_text(found: Sequence[Agreement]) -> str:
+    bounds = [(one.position, one.bound) for one in found if one.position is not None and one.bound is not None]
+    if not bounds:
+        return ""
+    largest = number(max(bound for _, bound in bounds))
+    kept = sum(position <= bound for position, bound in bounds)
+    runs = f"{len(bounds)} run{'s' if len(bounds) > 1 else ''}"
+    return (
+        f" The bound of first order for components that step all at once, known for {runs}, is up to {largest} m and "
+        f"is kept by {'all of them' if kept == len(bounds) else kept}."
     )
 
 

@@ -16,6 +16,7 @@ import xarray as xr
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.agreement import Agreement, cross_check
+from brunovsky.comparison.coupling_bound import position_bound
 from brunovsky.comparison.engines import (
     Engine,
     FmuSimulation,
@@ -188,7 +189,8 @@ def _agreement(planned: PlannedRun, engine: Engine, outcome: Outcome, native: Na
         own = isinstance(engine, FmuSimulation | SspSimulation) and engine.own
         return cross_check(planned, outcome, twin, basis="models" if own else "rounding")
     finer = check_outcome(engine.halved().run(planned)) if outcome.status.state == twin.status.state == "ok" else None
-    return cross_check(planned, outcome, twin, basis="coupling", finer=finer)
+    bound = position_bound(planned, twin, engine.communication_step, engine.scheme)
+    return cross_check(planned, outcome, twin, basis="coupling", finer=finer, bound=bound)
 
 
 def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:

@@ -179,7 +179,8 @@ class _Reader:
     def _file(self, source: str, component: str) -> Path:
         path = (self.folder / unquote(source)).resolve()
         if not source or not path.is_relative_to(self.folder.resolve()) or not path.is_file():
-            raise self._refused(f"component '{component}' names the file {source!r}, which is not in the package")
+            named = f"component '{component}'" if component else "a binding"
+            raise self._refused(f"{named} names the file {source!r}, which is not in the package")
         return path
 
     def _parsed(self, name: str) -> etree._Element:
