@@ -45,8 +45,13 @@ class OpenedSsp:
 
     @property
     def shown(self) -> dict[str, Port]:
-        """Component and variable behind each output of the system."""
-        return {one.target[1]: one.source for one in self.structure.wires if one.target[0] == SYSTEM}
+        """Component and variable behind each output of the system that is a real number or Boolean."""
+        wires = (one for one in self.structure.wires if one.target[0] == SYSTEM)
+        return {one.target[1]: one.source for one in wires if self.type_of(one.source) in ("Real", "Boolean")}
+
+    def type_of(self, port: Port) -> str:
+        """Type of a variable of a component, as fmpy has it."""
+        return str(self.fmus[port[0]].variables[port[1]].type)
 
     @property
     def inputs(self) -> list[str]:
@@ -159,7 +164,7 @@ def _opened(path: Path, folder: Path) -> OpenedSsp:
     for wire in structure.wires:
         for (part, name), causality in ((wire.source, "output"), (wire.target, "input")):
             if part != SYSTEM:
-                _check_port(path, fmus, part, name, causality, boolean=wire.target[0] == SYSTEM)
+                _check_port(path, fmus, part, name, causality, any_type=wire.target[0] == SYSTEM)
         if SYSTEM not in (wire.source[0], wire.target[0]) and _is_direct(fmus[wire.source[0]], wire.source[1]):
             direct.add((wire.source[0], wire.target[0]))
     for part, name in structure.values:
@@ -171,11 +176,10 @@ def _opened(path: Path, folder: Path) -> OpenedSsp:
 
 
 def _check_port(
-    path: Path, fmus: Mapping[str, OpenedFmu], part: str, name: str, causality: str, *, boolean: bool
+    path: Path, fmus: Mapping[str, OpenedFmu], part: str, name: str, causality: str, *, any_type: bool
 ) -> None:
-    types = ("Real", "Boolean") if boolean else ("Real",)
     found = fmus[part].variables.get(name) if part in fmus else None
-    if found is None or found.type not in types or found.causality != causality:
+    if found is None or found.causality != causality or not (any_type or found.type == "Real"):
         raise StudyError(
             f"{path}: connects '{part}.{name}', which is no {causality} of its FMU that is a real number; "
             "correct the package"
