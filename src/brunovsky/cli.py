@@ -84,6 +84,7 @@ class Engine(StrEnum):
 
     native = "native"
     fmpy = "fmpy"
+    ssp = "ssp"
 
 
 class FmiVersion(StrEnum):

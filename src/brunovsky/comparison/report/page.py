@@ -12,6 +12,7 @@ import jinja2
 from markupsafe import Markup
 
 from brunovsky.comparison import drawing, equations, figures
+from brunovsky.comparison.agreement import engine_text
 from brunovsky.comparison.claim import Claim
 from brunovsky.comparison.claims import claims, examined
 from brunovsky.comparison.facts import CONVERGED, given, joined, number
@@ -123,6 +124,9 @@ def render(content: Content, medium: Medium) -> str:
         guards=joined(sorted({given(run.parameters["eta_min"]) for run in plan})),
         failed=[run for run in comparison.runs if not run.ok],
         agreement=agreement_data(comparison),
+        engine_text=engine_text(
+            comparison.engine, comparison.provenance, [one.agreement for one in comparison.runs if one.agreement]
+        ),
         provenance=provenance,
         resolved=json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False),
         mark=MARK.strip(),

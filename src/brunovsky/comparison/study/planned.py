@@ -40,6 +40,8 @@ class PlannedRun:
         Half-width of the band about S = 0 that counts as reached, the same for all laws of the study, m/s2.
     goal_heading : float or None
         Heading that the robot should have at the end, where the task names one, rad; some laws don't know it.
+    given : frozenset of str
+        Parameters and inputs that the study itself sets; the others are the block's defaults.
     """
 
     name: str
@@ -56,6 +58,7 @@ class PlannedRun:
     seed: tuple[int, ...] = (0,)
     band: float = REACHED
     goal_heading: float | None = None
+    given: frozenset[str] = frozenset()
 
     @property
     def is_undisturbed(self) -> bool:
