@@ -22,6 +22,7 @@ from brunovsky.comparison.chatter_summary import chatter_markdown
 from brunovsky.comparison.engines import Status
 from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.protocol_section import ProtocolSection, Table
+from brunovsky.comparison.protocol_sections import protocol_sections
 from brunovsky.comparison.readme import readme_figure
 from brunovsky.comparison.report import ReportFiles, compare_study, render_report, write_report
 from brunovsky.comparison.run import Comparison, Run, run_study
@@ -57,6 +58,7 @@ __all__ = [
     "compare_study",
     "compute_metrics",
     "load_study",
+    "protocol_sections",
     "readme_figure",
     "render_report",
     "run_study",
