@@ -33,6 +33,7 @@ from brunovsky.comparison.measured_margins import (
 )
 from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.protocol_section import ProtocolSection, Table
+from brunovsky.comparison.protocol_sections import protocol_sections
 from brunovsky.comparison.protocols import (
     Distribution,
     EqualEffort,
@@ -131,6 +132,7 @@ __all__ = [
     "paired_differences",
     "pareto",
     "pareto_figure",
+    "protocol_sections",
     "rate_estimate",
     "readme_figure",
     "render_report",

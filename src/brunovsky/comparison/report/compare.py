@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from brunovsky.comparison import drawing
 from brunovsky.comparison.output import write_bytes, write_text
 from brunovsky.comparison.protocol_section import ProtocolSection
 from brunovsky.comparison.protocol_sections import protocol_data, protocol_sections, trial_tables
@@ -80,9 +79,7 @@ def compare_study(
     comparison = run_study(loaded, engine=engine, folder=folder, progress=progress)
     if progress is not None:
         progress(len(comparison.runs), len(comparison.runs), "drawing the report")
-    with drawing.settings():
-        sections = protocol_sections(comparison)
-    return write_report(comparison, folder, sections=sections, pdf=pdf)
+    return write_report(comparison, folder, sections=protocol_sections(comparison), pdf=pdf)
 
 
 def write_report(

@@ -28,6 +28,7 @@ from brunovsky.comparison.study.planning import check_protocol, planned_run
 from brunovsky.comparison.study.problems import describe
 from brunovsky.comparison.study.protocols import Protocol
 from brunovsky.comparison.study.scenario import Scenario, ScenarioTable
+from brunovsky.comparison.study.shortened import shortened_tables
 from brunovsky.comparison.study.signals import seed_of
 from brunovsky.comparison.study.table import StudyTable, by_name
 from brunovsky.errors import BrunovskyError, StudyError
@@ -244,6 +245,19 @@ class Study(StudyTable):
             duration=protocol.duration_s,
         )
 
+    def shortened(self, duration_s: float = 1.0) -> Study:
+        """The same study with runs of at most a duration (s) and few trials: a quick look, and no result.
+
+        Raises
+        ------
+        StudyError
+            If the duration is not above zero.
+        """
+        if not duration_s > 0.0:
+            raise StudyError(f"a study cannot be shortened to {duration_s!r} s; give a duration above 0")
+        tables = shortened_tables(self.model_dump(exclude_none=True), duration_s)
+        return Study.model_validate(tables, context={"kinds": _kinds(tables)})
+
     def digest(self) -> str:
         """SHA-256 of the resolved runs: equal for studies that ask for the same simulations."""
         runs = [one.resolved() for one in self.plan()]
@@ -291,5 +305,5 @@ def load_study(path: str | Path) -> Study:
 def _kinds(data: Mapping[str, Any]) -> list[LawKind]:
     """Kinds of laws that a study file names, before it is checked: only their loops are made."""
     laws = data.get("laws")
-    named = [one.get("kind") for one in laws if isinstance(one, dict)] if isinstance(laws, list) else []
+    named = [one.get("kind") for one in laws if isinstance(one, dict)] if isinstance(laws, list | tuple) else []
     return [kind for kind in KINDS if kind in named]
