@@ -74,7 +74,8 @@ def is_regulation(run: Run) -> bool:
 def add_legend(figure: Figure, laws: Sequence[tuple[int, Law]], more: Sequence[Line2D] = ()) -> None:
     """Legend of the laws, above everything."""
     handles = [Line2D([], [], label=law.title or law.name, **drawing.style(index)) for index, law in laws] + list(more)
-    figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False, columnspacing=1.4)
+    columns = min(len(handles), 4 if figure.get_figwidth() > 9.0 else 3)
+    figure.legend(handles=handles, loc="outside upper center", ncols=columns, frameon=False, columnspacing=1.4)
 
 
 def place_handles(regulation: set[bool]) -> list[Line2D]:

@@ -47,7 +47,7 @@ def table_layout(table: Table) -> Layout:
 
 
 def cell_text(cell: Cell) -> str:
-    """A cell for people: a dash for None."""
-    if cell is None:
+    """A cell for people: a dash for what is undefined or empty."""
+    if cell is None or cell == "":
         return "–"
     return number(cell) if isinstance(cell, float) else str(cell)

@@ -81,21 +81,22 @@ def _difference(name: str, pairs: list[Pair]) -> str:
     """What happens to one metric; empty where there is nothing to compare."""
     if not pairs:
         return ""
-    what = _SHARE[name]
+    what, aside = _SHARE[name], ""
     if name == "rms_tail_error":
         nil = [pair for pair in pairs if all(largest(run, name) < ROUNDING for run in pair)]
         pairs = [pair for pair in pairs if pair not in nil]
         if not pairs:
             return f"leaves {what} nil for every purpose, as it is without (below 1 nm; {_pairs(len(nil))})."
+        aside = f"; in {_pairs(len(nil))} it is nil with and without (below 1 nm)" if nil else ""
     if all(both(run, name)[0] == 0.0 for pair in pairs for run in pair):
         return ""
     known = [change for a, b in pairs for change in [sure_change(b, a, name)] if change is not None]
     left = len(pairs) - len(known)
     if not known:
-        return f"cannot be ranked by {what}: no difference in it is converged with the step ({_pairs(left)})."
+        return f"cannot be ranked by {what}: no difference in it is converged with the step ({_pairs(left)}){aside}."
     counted = f"{_range(known)} in {_pairs(len(known))}"
     ending = f"; {left} more {'is' if left == 1 else 'are'} not converged with the step, or undefined" if left else ""
-    return f"{_word(known)} {what} ({counted}{ending})."
+    return f"{_word(known)} {what} ({counted}{ending}{aside})."
 
 
 def _word(changes: list[float]) -> str:
