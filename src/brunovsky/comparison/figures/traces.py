@@ -66,11 +66,6 @@ def layers(laws: Drawn) -> list[float]:
     return [run.planned.parameters["phi"] for _, law, run in laws if law.kind == "saturation"]
 
 
-def is_regulation(run: Run) -> bool:
-    """Whether the reference is a point."""
-    return run.planned.parameters["radius"] == 0.0
-
-
 def add_legend(figure: Figure, laws: Sequence[tuple[int, Law]], more: Sequence[Line2D] = ()) -> None:
     """Legend of the laws, above everything."""
     handles = [Line2D([], [], label=law.title or law.name, **drawing.style(index)) for index, law in laws] + list(more)
