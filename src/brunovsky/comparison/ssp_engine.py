@@ -169,8 +169,8 @@ def _opened(path: Path, folder: Path) -> OpenedSsp:
             direct.add((wire.source[0], wire.target[0]))
     for part, name in structure.values:
         one = fmus[part].variables.get(name)
-        free = one is not None and (one.causality in ("parameter", "input") or one.initial in ("exact", "approx"))
-        if not free or one.type == "String":
+        settable = one is not None and (one.causality in ("parameter", "input") or one.initial in ("exact", "approx"))
+        if one is None or not settable or one.type == "String":
             raise StudyError(
                 f"{path}: binds '{part}.{name}', which is no number that its FMU lets be set; correct the package"
             )
