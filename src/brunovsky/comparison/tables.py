@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from brunovsky.comparison.definitions import CONTRACT_METRICS
+from brunovsky.comparison.definitions import METRIC_DEFINITIONS
 from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import MARK, both, converged, sensitivity, told
 
-METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in CONTRACT_METRICS)
+METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in METRIC_DEFINITIONS)
 MARGIN_ROWS = (
     ("gain_lower", "lower gain margin (factor)", 1.0),
     ("gain_upper", "upper gain margin (factor)", 1.0),
