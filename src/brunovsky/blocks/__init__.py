@@ -26,6 +26,7 @@ from brunovsky.blocks.library import (
     preview,
     regulator,
     rest_to_rest,
+    rest_to_trajectory,
     robot,
     robot_linearization,
     robot_system,
@@ -39,6 +40,7 @@ from brunovsky.blocks.library import (
     sliding_sector,
     super_twisting,
     super_twisting_sampled,
+    tracker,
     waypoints,
 )
 from brunovsky.blocks.linearized import inner_loop, linearized_block, plant_block
@@ -102,6 +104,7 @@ __all__ = [
     "preview",
     "regulator",
     "rest_to_rest",
+    "rest_to_trajectory",
     "robot",
     "robot_linearization",
     "robot_system",
@@ -117,5 +120,6 @@ __all__ = [
     "super_twisting_sampled",
     "symbol",
     "symbols",
+    "tracker",
     "waypoints",
 ]

@@ -34,7 +34,7 @@ from brunovsky.blocks.library.relatives import (
     second_order_sliding_mode,
     sliding_sector,
 )
-from brunovsky.blocks.library.rest_to_rest import regulator, rest_to_rest
+from brunovsky.blocks.library.rest_to_rest import regulator, rest_to_rest, rest_to_trajectory, tracker
 from brunovsky.blocks.library.robot import linearized_robot, robot, robot_linearization, robot_system, robot_with_lags
 
 __all__ = [
@@ -60,6 +60,7 @@ __all__ = [
     "preview",
     "regulator",
     "rest_to_rest",
+    "rest_to_trajectory",
     "robot",
     "robot_linearization",
     "robot_system",
@@ -73,5 +74,6 @@ __all__ = [
     "sliding_sector",
     "super_twisting",
     "super_twisting_sampled",
+    "tracker",
     "waypoints",
 ]

@@ -11,6 +11,8 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import ROBOT_CHAINS
 from brunovsky.blocks.library.rest_to_rest import motion
 from brunovsky.blocks.library.rest_to_rest.candidates import candidates
+from brunovsky.blocks.library.rest_to_rest.course import ELAPSED
+from brunovsky.blocks.library.rest_to_rest.follow import COURSE_INPUTS, HORIZON, MODES, SAMPLES, Follow, woken
 from brunovsky.blocks.library.rest_to_rest.modes import TOLERANCE, TUBE, changes, watched
 from brunovsky.blocks.library.rest_to_rest.motion import COMMAND, ETA_MIN, RATE, SPEEDS
 from brunovsky.blocks.library.rest_to_rest.path import Pose
@@ -49,7 +51,7 @@ _LIMITS = (
 _OBSERVER = Parameter("observer_rate", "1/s", "rate of the observer of disturbances; 0: none", 20.0, 0.0, tunable=True)
 _MODES = (
     Mode("mode", "1", "0 at rest, 1 moving, 2 braking"),
-    Mode("leg", "1", "0 a turn in place, 1 a path"),
+    Mode("leg", "1", "0 a turn in place, 1 a path, 2 a reference"),
     Mode("search", "1", "step of the search for a plan, 0 if there is none"),
     Mode("choice", "1", "manoeuvre chosen so far"),
     Mode("carry", "1", "1 where the path timed before is driven after this one"),
@@ -58,22 +60,30 @@ _MODES = (
 
 
 @cache
-def supervisor() -> Block:
-    """Supervisor of :func:`regulator`: everything but the outer loop.
+def supervisor(tracking: bool = False) -> Block:
+    """Supervisor of :func:`regulator` or :func:`tracker`: everything but the outer loop, and but the reference.
+
+    Parameters
+    ----------
+    tracking : bool
+        Whether the goal is the pose of a reference, which is tracked from there.
 
     Returns
     -------
     Block
-        Inputs the goal, the robot's state and ``v[1..2]``; outputs ``u[1..2]``, ``mode``, the chains ``Z1[k]``,
+        Inputs the goal, or the reference by its own clock, the robot's state and ``v[1..2]``; outputs ``u[1..2]``, ``mode``, the chains ``Z1[k]``,
         ``Z2[k]`` and their reference ``Z1d[k]``, ``Z2d[k]``, ``zd3[i]``.
     """
     mode, leg, awake = symbols("mode", "leg", "awake")
     here, goal = Pose(*(one.symbol for one in ROBOT[:3])), Pose(*(one.symbol for one in GOAL))
     limits = Limits(*(one.symbol for one in _LIMITS)).planned
-    path = motion.following(here.heading)
+    follow = Follow.course() if tracking else None
+    path = motion.following(here.heading, follow.reference if follow else None)
     watch = watched(here, goal, path)
     away = sp.Or(watch["beside"].symbol, watch["beyond"].symbol)
     on_path = sp.And(sp.Eq(mode, MOVING), sp.Eq(leg, PATH))
+    tracks = sp.And(sp.Eq(mode, MOVING), sp.Ne(leg, TURN))
+    ready = sp.Eq(awake, 1) if follow else sp.true
     wanted = [
         sp.Piecewise((turn, sp.And(sp.Eq(mode, MOVING), sp.Eq(leg, TURN))), (follow, sp.Eq(mode, MOVING)),
                      (brake, sp.Eq(mode, BRAKING)), (rest, True))
@@ -86,28 +96,31 @@ def supervisor() -> Block:
     return Block(
         "supervisor",
         "planner, modes, reference and inner loop of the regulator",
-        inputs=(*GOAL, *ROBOT, *(Input(f"v[{i}]", "m/s3", f"input of chain {i}") for i in (1, 2))),
-        parameters=(*_LIMITS, TOLERANCE, TUBE, RATE, _OBSERVER, ETA_MIN),
+        inputs=(*(COURSE_INPUTS if follow else GOAL), *ROBOT, *(Input(f"v[{i}]", "m/s3", f"input of chain {i}") for i in (1, 2))),
+        parameters=(*_LIMITS, TOLERANCE, TUBE, RATE, _OBSERVER, ETA_MIN, *((HORIZON,) if follow else ())),
         states=(
             State("path_parameter", "1", "path parameter of the reference",
                   sp.Piecewise((path.reference.parameter_rate, on_path), (0, True))),
             State(str(COMMAND), "m/s2", "compensator: commanded forward acceleration",
-                  sp.Piecewise((path.jerk, on_path), (0, True))),
+                  sp.Piecewise((path.jerk, tracks), (0, True))),
+            *(follow.states() if follow else ()),
             State("xi[1]", "m/s", "forward velocity without disturbance", wanted[0]),
             State("xi[2]", "rad/s", "yaw rate without disturbance", wanted[1]),
         ),
-        samples=(*PLAN, *SEARCH),
-        modes=_MODES,
+        samples=(*PLAN, *SEARCH, *(SAMPLES if follow else ())),
+        modes=(*_MODES, *(MODES if follow else ())),
         outputs=(
             *(Output(**described(one), expression=asked - disturbed)
               for one, asked, disturbed in zip(COMMANDS, wanted, disturbance, strict=True)),
             Output("mode", "1", "0 at rest, 1 moving, 2 braking", mode),
+            *((Output(**described(ELAPSED), expression=ELAPSED.symbol),) if follow else ()),
             *_chain_outputs(path.reference),
         ),
-        relations=(*watch.values(), CHEAPER, *motion.relations()),
+        relations=(*watch.values(), CHEAPER, *motion.relations(), *(follow.relations if follow else ())),
         transitions=(
-            Transition("wake", sp.Eq(awake, 0), {awake: sp.S.One, **dict(zip(undisturbed, SPEEDS, strict=True))}),
-            *changes(here, goal, limits, watch),
+            Transition("wake", sp.Eq(awake, 0), {awake: sp.S.One, **dict(zip(undisturbed, SPEEDS, strict=True)),
+                                                 **(woken(follow) if follow else {})}),
+            *changes(here, goal, limits, watch, ready, follow),
             *search_transitions(candidates(here, goal, limits), here, goal, limits),
         ),
         checks=tuple(_positive(one, what) for one, what in zip(_LIMITS, ("move", "accelerate", "turn"), strict=True)),
