@@ -70,7 +70,8 @@ def ordered_relations(relations: Sequence[Relation], where: str) -> list[Relatio
         If they depend on each other; the message names the cycle.
     """
     known = {one.symbol: one for one in relations}
-    graph = {one.symbol: [other for other in known if other in one.expression.free_symbols] for one in relations}
+    read = {one.symbol: one.expression.free_symbols for one in relations}
+    graph = {one: [other for other in known if other in found] for one, found in read.items()}
     try:
         return [known[one] for one in TopologicalSorter(graph).static_order()]
     except CycleError as error:

@@ -1,4 +1,4 @@
-"""A reference that waits: the same motion as a function of the time that has been spent on it."""
+"""A reference that waits: the same motion by a clock of its own, which is an input."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EDGE = 1e-3
 """How far from its rest a reference begins and ends, s: at rest itself it has no heading."""
 NEVER = 1e9
 """Span of a reference that does not come to rest, s."""
-ELAPSED = Input("elapsed", "s", "time spent on the reference")
+CLOCK = Input("clock", "s", "time of the reference since its begin")
 WANTED = ROBOT_CHAINS.reference((sp.S.Zero, sp.S.Zero))
 """What is taken from a reference: its outputs by name and unit."""
 
@@ -32,7 +32,7 @@ def course(reference: Block) -> Block:
     Returns
     -------
     Block
-        Input ``elapsed`` (s); outputs ``Z1d[1..3]``, ``Z2d[1..3]``, ``zd3[1..2]`` and ``span`` (s), the time from its
+        Input ``clock`` (s); outputs ``Z1d[1..3]``, ``Z2d[1..3]``, ``zd3[1..2]`` and ``span`` (s), the time from its
         begin to its end.
 
     Raises
@@ -49,17 +49,17 @@ def course(reference: Block) -> Block:
     if speed2.is_zero:
         raise ModelError(f"{reference.name} rests for ever and has no heading; rest_to_rest brings the robot to a goal")
     begin, span = _extent(reference, speed2)
-    clock: dict[sp.Basic, sp.Basic] = {TIME: begin + ELAPSED.symbol}
-    relations = tuple(Relation(one.name, one.expression.xreplace(clock)) for one in reference.relations)
+    own: dict[sp.Basic, sp.Basic] = {TIME: begin + CLOCK.symbol}
+    relations = tuple(Relation(one.name, one.expression.xreplace(own)) for one in reference.relations)
     at_begin: dict[sp.Basic, sp.Basic] = {TIME: begin}
     at_begin |= {one.symbol: one.expression.xreplace({TIME: begin}) > 0 for one in reference.relations}
     return Block(
         reference.name,
         f"{reference.description}, from its begin",
-        inputs=(ELAPSED,),
+        inputs=(CLOCK,),
         parameters=reference.parameters,
         outputs=(
-            *(Output(one.name, one.unit, one.description, found[one.name].xreplace(clock)) for one in WANTED),
+            *(Output(one.name, one.unit, one.description, found[one.name].xreplace(own)) for one in WANTED),
             Output("span", "s", "time from the begin of the reference to its rest", span),
         ),
         relations=relations,

@@ -7,12 +7,12 @@ its peaks, a few points of it at an instant, while the robot drives to its begin
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import sympy as sp
 
-from brunovsky.blocks.library.rest_to_rest.course import EDGE, ELAPSED, NEVER, WANTED
+from brunovsky.blocks.library.rest_to_rest.course import CLOCK, EDGE, NEVER, WANTED
 from brunovsky.blocks.library.rest_to_rest.motion import COMMAND, DRIVE
 from brunovsky.blocks.library.rest_to_rest.path import Pose
 from brunovsky.blocks.library.rest_to_rest.plan import COURSE, MOVING, PLANNED_GOAL, REST, assigned
@@ -22,6 +22,7 @@ from brunovsky.blocks.variables import (
     TIME,
     Input,
     Mode,
+    Output,
     Parameter,
     Relation,
     Sample,
@@ -50,40 +51,42 @@ COURSE_INPUTS = (
 HORIZON = Parameter("horizon", "s", "time for which a reference without end is examined for the limits", 60.0, 1.0)
 PEAKS = (
     held("peak_speed", "m/s", "largest speed of the reference at its own rate", EDGE),
-    held("peak_acceleration", "m/s2", "largest acceleration of the reference along its path"),
-    held("peak_yaw_rate", "rad/s", "largest yaw rate of the reference"),
-    held("peak_yaw_acceleration", "rad/s2", "largest yaw acceleration of the reference"),
+    held("peak_acceleration2", "m2/s4", "square of its largest acceleration along its path"),
+    held("peak_yaw_rate2", "rad2/s2", "square of its largest yaw rate"),
+    held("peak_yaw_acceleration2", "rad2/s4", "square of its largest yaw acceleration"),
 )
-_SPEED, _ACCELERATION, _YAW_RATE, _YAW_ACCELERATION = (one.symbol for one in PEAKS)
+_SPEED, _ACCELERATION2, _YAW_RATE2, _YAW_ACCELERATION2 = (one.symbol for one in PEAKS)
 _SURVEY, _BATCH, _RESUME, _LEG, _MODE = symbols("survey", "batch", "resume", "leg", "mode")
+_SPAN = COURSE_INPUTS[-1].symbol
+_TO_COME = Relation("to_come", _SPAN - CLOCK.symbol - EDGE)
+_RESUMED = Relation("resumed", TIME - _RESUME)
+_ENDLESS = Relation("endless", _SPAN - NEVER / 2)
+_FOLLOWING = sp.And(sp.Eq(_MODE, MOVING), sp.Eq(_LEG, COURSE))
+GOAL_SAMPLES = (
+    held("goal[1]", "m", "pose of the reference where the robot goes: x"),
+    held("goal[2]", "m", "pose of the reference where the robot goes: y"),
+    held("goal_heading", "rad", "pose of the reference where the robot goes: heading"),
+)
+GOAL_POSE = Pose(*(one.symbol for one in GOAL_SAMPLES))
 
 
 @dataclass(frozen=True)
-class Follow:
-    """What a supervisor has more where it tracks a reference: parts of its block, by group, and the goal.
+class Course:
+    """A reference as the supervisor sees it: position (m) and its derivatives 1 to 3 by its own time, (2, 1) each."""
 
-    ``ready`` is when the goal, which is the pose of the reference, is known.
-    """
-
-    reference: Reference
-    relations: tuple[Relation, ...]
     path: tuple[sp.Matrix, ...]
 
     @classmethod
-    def course(cls) -> Follow:
-        """Tracking of the reference that the inputs give."""
-        given = {one.name.removeprefix("course."): one.symbol for one in COURSE_INPUTS}
+    def given(cls) -> Course:
+        """The reference that the inputs give."""
+        inputs = {one.name.removeprefix("course."): one.symbol for one in COURSE_INPUTS}
         names = ("Z{}d[1]", "Z{}d[2]", "Z{}d[3]", "zd3[{}]")
-        path = tuple(sp.Matrix([given[name.format(i)] for i in (1, 2)]) for name in names)
-        return cls(
-            Reference.driven(path, DRIVE, sp.S.One, _SPEED),
-            (
-                Relation("to_come", _span() - ELAPSED.symbol - EDGE),
-                Relation("resumed", TIME - _RESUME),
-                Relation("endless", _span() - NEVER / 2),
-            ),
-            path,
-        )
+        return cls(tuple(sp.Matrix([inputs[name.format(i)] for i in (1, 2)]) for name in names))
+
+    @property
+    def reference(self) -> Reference:
+        """What the chains follow while the clock runs as the leg is driven."""
+        return Reference.driven(self.path, DRIVE, sp.S.One, _SPEED)
 
     @property
     def pose(self) -> Pose:
@@ -102,22 +105,21 @@ class Follow:
         _, first, second, third = self.path
         speed2, along, cross = first.dot(first), first.dot(second), _cross(first, second)
         yaw_acceleration = _cross(first, third) / speed2 - 2 * cross * along / speed2**2
-        squares = (speed2, along**2 / speed2, (cross / speed2) ** 2, yaw_acceleration**2)
-        return tuple(sp.sqrt(one) for one in squares)
+        return self.speed, along**2 / speed2, (cross / speed2) ** 2, yaw_acceleration**2
 
-    def states(self) -> tuple[State, ...]:
-        """The clock of the reference."""
-        running = sp.And(sp.Eq(_MODE, MOVING), sp.Eq(_LEG, COURSE))
-        rate = sp.Piecewise((self.reference.parameter_rate, running), (0, True))
-        return (State(**described(ELAPSED), derivative=rate),)
+    def transitions(
+        self,
+        limits: Limits,
+        close: sp.logic.boolalg.Boolean,
+        lost: sp.logic.boolalg.Boolean,
+        over: sp.logic.boolalg.Boolean,
+    ) -> tuple[Transition, ...]:
+        """Begin of the leg where the robot rests ``close`` to the goal, its ends, ``lost`` or ``over``, and the survey.
 
-    def transitions(self, limits: Limits, close: sp.logic.boolalg.Boolean, lost: sp.logic.boolalg.Boolean,
-                    over: sp.logic.boolalg.Boolean) -> tuple[Transition, ...]:  # fmt: skip
-        """Begin and end of the leg: ``close`` is where it may begin, ``lost`` and ``over`` are where it ends."""
-        to_come = self.relations[0].symbol
-        following = sp.And(sp.Eq(_MODE, MOVING), sp.Eq(_LEG, COURSE))
+        Where the leg ends the reference's pose becomes the goal: of the plan back to it, or of the rest it came to.
+        """
         idle = sp.And(sp.Eq(_MODE, REST), sp.Eq(symbol("search"), 0), sp.Eq(_SURVEY, 0))
-        timing = course_timing(sp.sqrt((_span() - ELAPSED.symbol) ** 2 + EDGE**2), limits)
+        timing = course_timing(sp.sqrt((_SPAN - CLOCK.symbol) ** 2 + EDGE**2), limits)
         begin = {
             _MODE: sp.Integer(MOVING),
             _LEG: sp.Integer(COURSE),
@@ -126,46 +128,82 @@ class Follow:
             DRIVE.speed: timing.speed,
             DRIVE.acceleration: timing.acceleration,
             COMMAND: timing.acceleration * self.speed / _SPEED,
-            **assigned(PLANNED_GOAL, GOAL_POSE),
         }
+        here = assigned(GOAL_POSE, self.pose)
         return (
-            Transition("follow", sp.And(idle, close, to_come), begin),
-            Transition("finish", sp.And(following, over), {ELAPSED.symbol: _span(), **assigned(GOAL_POSE, self.pose)}),
-            Transition("leave", sp.And(following, lost), assigned(GOAL_POSE, self.pose)),
+            Transition("follow", sp.And(idle, close, _TO_COME.symbol), begin | assigned(PLANNED_GOAL, GOAL_POSE)),
+            Transition("finish", sp.And(_FOLLOWING, over), {CLOCK.symbol: _SPAN, **here}),
+            Transition("leave", sp.And(_FOLLOWING, lost), here),
             *self._survey(),
         )
 
     def _survey(self) -> tuple[Transition, ...]:
-        """Examination of the reference: some of its points at an instant."""
-        _, resumed, endless = (one.symbol for one in self.relations)
-        step = sp.Piecewise((HORIZON.symbol, endless), (_span(), True)) / POINTS
+        """Examination of the reference, a batch of its points at an instant."""
+        step = sp.Piecewise((HORIZON.symbol, _ENDLESS.symbol), (_SPAN, True)) / POINTS
         largest = {one.symbol: sp.Max(one.symbol, new) for one, new in zip(PEAKS, self.peaks, strict=True)}
         last = POINTS + 2
         examining = sp.And(sp.Ne(_SURVEY, 0), sp.Ne(_SURVEY, last), sp.Ne(_BATCH, BATCH))
+        on = {CLOCK.symbol: CLOCK.symbol + step, _SURVEY: _SURVEY + 1, _BATCH: _BATCH + 1}
+        next_batch = {_BATCH: sp.S.Zero, _RESUME: TIME + PAUSE}
         return (
-            Transition("examine", examining, {**largest, ELAPSED.symbol: ELAPSED.symbol + step, _SURVEY: _SURVEY + 1,
-                                              _BATCH: _BATCH + 1}),
-            Transition("examine_on", sp.And(sp.Eq(_BATCH, BATCH), resumed), {_BATCH: sp.S.Zero, _RESUME: TIME + PAUSE}),
-            Transition("examined", sp.Eq(_SURVEY, last), {_SURVEY: sp.S.Zero, ELAPSED.symbol: sp.S.Zero}),
-        )  # fmt: skip
+            Transition("examine", examining, largest | on),
+            Transition("examine_on", sp.And(sp.Eq(_BATCH, BATCH), _RESUMED.symbol), next_batch),
+            Transition("examined", sp.Eq(_SURVEY, last), {_SURVEY: sp.S.Zero, CLOCK.symbol: sp.S.Zero}),
+        )
 
 
-GOAL_SAMPLES = (
-    held("goal[1]", "m", "pose of the reference where the robot goes: x"),
-    held("goal[2]", "m", "pose of the reference where the robot goes: y"),
-    held("goal_heading", "rad", "pose of the reference where the robot goes: heading"),
-)
-GOAL_POSE = Pose(*(one.symbol for one in GOAL_SAMPLES))
-SAMPLES: tuple[Sample, ...] = (*GOAL_SAMPLES, *PEAKS, held("resume", "s", "when the reference is examined further"))
-MODES = (
-    Mode("survey", "1", "number of the next point of the reference to be examined, 0 if there is none", 1),
-    Mode("batch", "1", "points examined at this instant"),
-)
+@dataclass(frozen=True)
+class Target:
+    """Where a supervisor brings the robot: parts of its block, by group, that only such a target needs.
+
+    ``wake`` are assignments of the first instant, before which the goal is not known unless ``ready``; ``course`` is
+    the reference that is tracked from there, if there is one.
+    """
+
+    inputs: tuple[Input, ...]
+    parameters: tuple[Parameter, ...] = ()
+    states: tuple[State, ...] = ()
+    samples: tuple[Sample, ...] = ()
+    modes: tuple[Mode, ...] = ()
+    outputs: tuple[Output, ...] = ()
+    relations: tuple[Relation, ...] = ()
+    wake: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
+    ready: sp.logic.boolalg.Boolean = sp.true
+    course: Course | None = None
 
 
-def woken(follow: Follow) -> dict[sp.Symbol, sp.Expr]:
-    """Assignments of the first instant."""
-    return {_RESUME: TIME + PAUSE, **assigned(GOAL_POSE, follow.pose)}
+def reference_target() -> Target:
+    """The pose at which a reference stands, from where it is tracked."""
+    course = Course.given()
+
+    def standing(before: sp.Expr, now: sp.Expr) -> sp.Expr:
+        return sp.Piecewise((before, sp.Ne(_SURVEY, 0)), (now, True))
+
+    pace = sp.Piecewise((DRIVE.speed / _SPEED, _FOLLOWING), (0, True))
+    return Target(
+        COURSE_INPUTS,
+        parameters=(HORIZON,),
+        states=(
+            State(**described(CLOCK),
+                  derivative=sp.Piecewise((course.reference.parameter_rate, _FOLLOWING), (0, True))),
+        ),
+        samples=(*GOAL_SAMPLES, *PEAKS, held("resume", "s", "when the reference is examined further")),
+        modes=(
+            Mode("survey", "1", "number of the next point of the reference to be examined, 0 if there is none", 1),
+            Mode("batch", "1", "points examined at this instant"),
+        ),
+        outputs=(
+            Output(**described(CLOCK), expression=CLOCK.symbol),
+            Output("elapsed", "s", "time of the reference that has been tracked", standing(sp.S.Zero, CLOCK.symbol)),
+            Output("pace", "1", "rate at which the reference is tracked, 1 its own; 0 while it waits", pace),
+            *(Output(f"reference[{i}]", "m", f"where the reference stands, {axis}", standing(before, now))
+              for i, (axis, before, now) in enumerate(zip("xy", GOAL_POSE.position, course.path[0], strict=True), 1)),
+        ),
+        relations=(_TO_COME, _RESUMED, _ENDLESS),
+        wake={_RESUME: TIME + PAUSE, **assigned(GOAL_POSE, course.pose)},
+        ready=sp.Eq(symbol("awake"), 1),
+        course=course,
+    )  # fmt: skip
 
 
 def course_timing(time: sp.Expr, limits: Limits) -> Timing:
@@ -175,20 +213,17 @@ def course_timing(time: sp.Expr, limits: Limits) -> Timing:
     speed over ``peak_speed``: 1 where the limits let it, else less.
     """
     length = _SPEED * time
-    steepness = sp.Max(1 / limits.acceleration, _YAW_RATE / (_SPEED * limits.yaw_acceleration)) / RISE_SHARE
+    yaw_rate = sp.sqrt(_YAW_RATE2)
+    steepness = sp.Max(1 / limits.acceleration, yaw_rate / (_SPEED * limits.yaw_acceleration)) / RISE_SHARE
     squares: Sequence[sp.Expr] = (
         _SPEED**-2,
         limits.speed**-2,
-        _ACCELERATION / (CRUISE_SHARE * limits.acceleration * _SPEED**2),
-        _YAW_ACCELERATION / (CRUISE_SHARE * limits.yaw_acceleration * _SPEED**2),
+        sp.sqrt(_ACCELERATION2) / (CRUISE_SHARE * limits.acceleration * _SPEED**2),
+        sp.sqrt(_YAW_ACCELERATION2) / (CRUISE_SHARE * limits.yaw_acceleration * _SPEED**2),
         sp.Rational(15, 8) * steepness / length,
     )
     speed, acceleration = 1 / sp.sqrt(sp.Max(*squares)), 1 / steepness
     return Timing(length, speed, acceleration, duration(length, speed, acceleration))
-
-
-def _span() -> sp.Expr:
-    return COURSE_INPUTS[-1].symbol
 
 
 def _cross(first: sp.Matrix, second: sp.Matrix) -> sp.Expr:

@@ -11,8 +11,7 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import ROBOT_CHAINS
 from brunovsky.blocks.library.rest_to_rest import motion
 from brunovsky.blocks.library.rest_to_rest.candidates import candidates
-from brunovsky.blocks.library.rest_to_rest.course import ELAPSED
-from brunovsky.blocks.library.rest_to_rest.follow import COURSE_INPUTS, HORIZON, MODES, SAMPLES, Follow, woken
+from brunovsky.blocks.library.rest_to_rest.follow import Target, reference_target
 from brunovsky.blocks.library.rest_to_rest.modes import TOLERANCE, TUBE, changes, watched
 from brunovsky.blocks.library.rest_to_rest.motion import COMMAND, ETA_MIN, RATE, SPEEDS
 from brunovsky.blocks.library.rest_to_rest.path import Pose
@@ -71,19 +70,18 @@ def supervisor(tracking: bool = False) -> Block:
     Returns
     -------
     Block
-        Inputs the goal, or the reference by its own clock, the robot's state and ``v[1..2]``; outputs ``u[1..2]``, ``mode``, the chains ``Z1[k]``,
-        ``Z2[k]`` and their reference ``Z1d[k]``, ``Z2d[k]``, ``zd3[i]``.
+        Inputs the goal, or the reference by its own clock, the robot's state and ``v[1..2]``; outputs ``u[1..2]``,
+        ``mode``, the chains ``Z1[k]``, ``Z2[k]`` and their reference ``Z1d[k]``, ``Z2d[k]``, ``zd3[i]``.
     """
     mode, leg, awake = symbols("mode", "leg", "awake")
     here, goal = Pose(*(one.symbol for one in ROBOT[:3])), Pose(*(one.symbol for one in GOAL))
     limits = Limits(*(one.symbol for one in _LIMITS)).planned
-    follow = Follow.course() if tracking else None
-    path = motion.following(here.heading, follow.reference if follow else None)
+    target = reference_target() if tracking else Target(GOAL)
+    path = motion.following(here.heading, target.course.reference if target.course else None)
     watch = watched(here, goal, path)
     away = sp.Or(watch["beside"].symbol, watch["beyond"].symbol)
     on_path = sp.And(sp.Eq(mode, MOVING), sp.Eq(leg, PATH))
     tracks = sp.And(sp.Eq(mode, MOVING), sp.Ne(leg, TURN))
-    ready = sp.Eq(awake, 1) if follow else sp.true
     wanted = [
         sp.Piecewise((turn, sp.And(sp.Eq(mode, MOVING), sp.Eq(leg, TURN))), (follow, sp.Eq(mode, MOVING)),
                      (brake, sp.Eq(mode, BRAKING)), (rest, True))
@@ -96,31 +94,31 @@ def supervisor(tracking: bool = False) -> Block:
     return Block(
         "supervisor",
         "planner, modes, reference and inner loop of the regulator",
-        inputs=(*(COURSE_INPUTS if follow else GOAL), *ROBOT, *(Input(f"v[{i}]", "m/s3", f"input of chain {i}") for i in (1, 2))),
-        parameters=(*_LIMITS, TOLERANCE, TUBE, RATE, _OBSERVER, ETA_MIN, *((HORIZON,) if follow else ())),
+        inputs=(*target.inputs, *ROBOT, *(Input(f"v[{i}]", "m/s3", f"input of chain {i}") for i in (1, 2))),
+        parameters=(*_LIMITS, TOLERANCE, TUBE, RATE, _OBSERVER, ETA_MIN, *target.parameters),
         states=(
             State("path_parameter", "1", "path parameter of the reference",
                   sp.Piecewise((path.reference.parameter_rate, on_path), (0, True))),
             State(str(COMMAND), "m/s2", "compensator: commanded forward acceleration",
                   sp.Piecewise((path.jerk, tracks), (0, True))),
-            *(follow.states() if follow else ()),
+            *target.states,
             State("xi[1]", "m/s", "forward velocity without disturbance", wanted[0]),
             State("xi[2]", "rad/s", "yaw rate without disturbance", wanted[1]),
         ),
-        samples=(*PLAN, *SEARCH, *(SAMPLES if follow else ())),
-        modes=(*_MODES, *(MODES if follow else ())),
+        samples=(*PLAN, *SEARCH, *target.samples),
+        modes=(*_MODES, *target.modes),
         outputs=(
             *(Output(**described(one), expression=asked - disturbed)
               for one, asked, disturbed in zip(COMMANDS, wanted, disturbance, strict=True)),
             Output("mode", "1", "0 at rest, 1 moving, 2 braking", mode),
-            *((Output(**described(ELAPSED), expression=ELAPSED.symbol),) if follow else ()),
+            *target.outputs,
             *_chain_outputs(path.reference),
         ),
-        relations=(*watch.values(), CHEAPER, *motion.relations(), *(follow.relations if follow else ())),
+        relations=(*watch.values(), CHEAPER, *motion.relations(), *target.relations),
         transitions=(
             Transition("wake", sp.Eq(awake, 0), {awake: sp.S.One, **dict(zip(undisturbed, SPEEDS, strict=True)),
-                                                 **(woken(follow) if follow else {})}),
-            *changes(here, goal, limits, watch, ready, follow),
+                                                 **target.wake}),
+            *changes(here, goal, limits, watch, target),
             *search_transitions(candidates(here, goal, limits), here, goal, limits),
         ),
         checks=tuple(_positive(one, what) for one, what in zip(_LIMITS, ("move", "accelerate", "turn"), strict=True)),
