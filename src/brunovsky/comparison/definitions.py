@@ -256,6 +256,23 @@ FURTHER_METRICS = tuple(
             "its frequency and amplitude belong to the sampling, not to the law alone.",
             "instants / periods",
         ),
+        (
+            "final_heading_error",
+            "final heading error",
+            "rad",
+            "Magnitude of the difference between the heading at the last instant and that of the goal, modulo 2π; "
+            "not defined where the task names no heading of the goal.",
+            "|θ(T) − θ_goal| mod 2π",
+        ),
+        (
+            "arrival_time",
+            "arrival time",
+            "s",
+            "Last recorded instant at which the robot does not rest at the goal: off by more than 5 mm or 0.02 rad, or "
+            "moving faster than 1 mm/s or 1 mrad/s. 0 if never, not defined if so at the end, or where the task names "
+            "no heading of the goal.",
+            "max{t_k : e > 5 mm or |θ − θ_goal| > 0.02 rad or |η₁| > 1 mm/s or |η₂| > 1 mrad/s}",
+        ),
     )
 )
 """What else is measured: reaching, chatter, inputs."""
@@ -264,7 +281,7 @@ METRIC_DEFINITIONS = CONTRACT_METRICS + FURTHER_METRICS
 """Definitions of all metrics in the order in which they are told."""
 
 
-UNREACHED = frozenset({"settling_time", "settling_1mm", "settling_100um", "reaching_time"})
+UNREACHED = frozenset({"settling_time", "settling_1mm", "settling_100um", "reaching_time", "arrival_time"})
 """Times that are not defined where they are beyond the end of the run, so that not defined means longest."""
 
 BETTER_GREATER = frozenset({"min_speed", "min_speed_moving"})

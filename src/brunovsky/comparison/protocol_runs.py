@@ -16,14 +16,17 @@ from brunovsky.comparison.cross_check import agreement_with
 from brunovsky.comparison.engines import Engine, NativeSimulation, check_outcome
 from brunovsky.comparison.metrics import compute_metrics
 from brunovsky.comparison.protocols import (
+    Axis,
     Distribution,
     EqualEffort,
     Failure,
     Knob,
+    Map,
     MonteCarlo,
     Pareto,
     Swept,
     equal_effort,
+    mapped,
     monte_carlo,
     noise_seed,
     pareto,
@@ -32,7 +35,9 @@ from brunovsky.comparison.protocols import (
 from brunovsky.comparison.study import PlannedRun, Study
 from brunovsky.comparison.study.keys import unit_suffix
 from brunovsky.comparison.study.protocols import (
+    AxisTable,
     EqualEffortTable,
+    MapTable,
     ParetoTable,
     Protocol,
     SweptTable,
@@ -40,7 +45,7 @@ from brunovsky.comparison.study.protocols import (
 from brunovsky.errors import StudyError
 
 WORST = 10  # cases that are drawn as paths
-Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo
+Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo | Map
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +78,7 @@ class ProtocolRun:
     ----------
     table : Protocol
         What was asked for.
-    result : Swept, EqualEffort, Pareto or MonteCarlo
+    result : Swept, EqualEffort, Pareto, MonteCarlo or Map
         What came out.
     agreement : tuple of Agreement
         Of the trials that were repeated by the native simulation.
@@ -114,7 +119,7 @@ class _Trials:
             self.agreement.append(agreement_with(self.native, planned, self.engine, outcome))
         if outcome.status.state != "ok":
             return Failure(outcome.status.message, outcome.status.state == "singular")
-        return compute_metrics(outcome.trajectory, layer=planned.layer, band=planned.band).as_dict()
+        return compute_metrics(outcome.trajectory, **planned.measured).as_dict()
 
     def drawn(self) -> dict[str, tuple[float, ...]]:
         """Poses by key, a value for each case."""
@@ -188,6 +193,15 @@ def run_protocol(
             seed=study.seed,
             step_sensitive=step_sensitive,
         )
+    elif isinstance(table, MapTable):
+        result = mapped(
+            trials,
+            laws,
+            _axis(table.across),
+            _axis(table.up) if table.up else None,
+            metrics=table.metrics,
+            step_sensitive=step_sensitive,
+        )
     else:
         trials.seed = study.seed
         if table.resting_poses_within_m is not None:
@@ -205,6 +219,10 @@ def run_protocol(
         if table.worst is not None:
             worst = _worst(result, table.worst, trials)
     return ProtocolRun(table, result, tuple(trials.agreement), worst, FrozenMapping(trials.drawn()))
+
+
+def _axis(table: AxisTable) -> Axis:
+    return Axis(table.knob, table.values)
 
 
 def _target(table: EqualEffortTable, trials: _Trials) -> float:

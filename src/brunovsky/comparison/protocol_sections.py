@@ -13,10 +13,12 @@ from brunovsky.comparison.protocol_runs import Path, ProtocolRun
 from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
 from brunovsky.comparison.protocols import (
     EqualEffort,
+    Map,
     MonteCarlo,
     Pareto,
     Swept,
     equal_effort_figure,
+    map_figure,
     monte_carlo_figure,
     pareto_figure,
     swept_figure,
@@ -28,6 +30,7 @@ _FIGURES: Mapping[type, Callable[..., Figure]] = {
     EqualEffort: equal_effort_figure,
     Pareto: pareto_figure,
     MonteCarlo: monte_carlo_figure,
+    Map: map_figure,
 }
 
 
@@ -93,7 +96,7 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
     if drawn:
         with drawing.settings():
             picture = drawing.svg(_FIGURES[type(result)](result, titles), key)
-    rows = result.summary_rows() if isinstance(result, MonteCarlo) else result.rows()
+    rows = result.summary_rows() if isinstance(result, MonteCarlo | Map) else result.rows()
     findings = tuple(result.findings())
     return ProtocolSection(
         title=f"{explanation.title}: {scenario}",

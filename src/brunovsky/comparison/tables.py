@@ -79,11 +79,13 @@ def conditions(run: Run) -> str:
     where = f"({given(p['x_start'])} m, {given(p['y_start'])} m, {given(p['theta_start'])} rad)"
     text = f"{given(run.planned.duration)} s from (x, y, θ) = {where} with η₁ = {given(p['eta_start[1]'])} m/s"
     others = {"η₂": ("eta_start[2]", "rad/s"), "u₁": ("u_start[1]", "m/s²")}
-    text += "".join(f", {name} = {given(p[key])} {unit}" for name, (key, unit) in others.items() if p[key] != 0.0)
-    center = f"({given(p['center[1]'])} m, {given(p['center[2]'])} m)"
-    if p["radius"] == 0.0:
-        text += f" to rest at {center}"
+    text += "".join(f", {name} = {given(p[key])} {unit}" for name, (key, unit) in others.items() if p.get(key))
+    if run.planned.target is not None:
+        text += f" to rest at ({given(run.planned.target[0])} m, {given(run.planned.target[1])} m)"
+        heading = run.planned.goal_heading
+        text += "" if heading is None else f" with heading {given(heading)} rad"
     else:
+        center = f"({given(p['center[1]'])} m, {given(p['center[2]'])} m)"
         text += f", along a circle of radius {given(p['radius'])} m about {center} at {given(p['rate'])} rad/s"
     extra = [
         f"{symbol} = {given(run.planned.inputs[name])} {unit}"

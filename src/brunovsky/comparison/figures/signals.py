@@ -17,8 +17,8 @@ from brunovsky.comparison.figures.traces import (
     shown,
     transient_window,
 )
-from brunovsky.comparison.metrics import SETTLED, position_error
-from brunovsky.comparison.run import Comparison
+from brunovsky.comparison.metrics import SETTLED, error_names, position_error
+from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.study import Scenario
 
 _ROW = {"left": 0.055, "right": 0.985, "bottom": 0.16, "top": 0.8, "wspace": 0.27}
@@ -31,8 +31,9 @@ def errors_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     figure = drawing.new_figure(9.4, 2.9, **_ROW)
     distance, *chains = figure.subplots(1, 3)
     _draw_distance(distance, laws, window)
-    for axes, name, label in zip(chains, ("e1[1]", "e2[1]"), ("x − x_d, m", "y − y_d, m"), strict=True):
-        draw_signal(axes, laws, name, window)
+    for axes, name, label in zip(chains, (0, 1), ("x − x_d, m", "y − y_d, m"), strict=True):
+        for index, law, run in laws:
+            draw_signal(axes, [(index, law, run)], _own_error(run, name), window)
         drawing.signed_decades(axes, 1e-3, at_least=SETTLED)
         axes.set_title(label.replace("_d", "$_\\mathrm{d}$"), loc="left")
     add_legend(figure, [(index, law) for index, law, _ in laws])
@@ -52,9 +53,11 @@ def inputs_figure(comparison: Comparison, scenario: Scenario) -> Figure:
         drawing.signed_decades(axes, 1.0, at_least=10.0)
         axes.set_title(label, loc="left")
     draw_signal(speed, laws, "eta[1]", window)
-    draw_limits(speed, [run.planned.parameters["eta_min"] for _, _, run in laws])
+    guards = [run.planned.guard for _, _, run in laws if run.planned.guard is not None]
+    draw_limits(speed, guards)
     drawing.signed_decades(speed, 0.1, at_least=0.1)
-    speed.set_title("velocity η₁, m/s;  dotted: ±$\\eta_\\mathrm{min}$", loc="left")
+    note = ";  dotted: ±$\\eta_\\mathrm{min}$" if guards else ""
+    speed.set_title(f"velocity η₁, m/s{note}", loc="left")
     add_legend(figure, [(index, law) for index, law, _ in laws])
     return figure
 
@@ -86,3 +89,9 @@ def _draw_distance(axes: Axes, laws: Drawn, window: float) -> None:
     axes.set_title(f"position error, m;  dotted: {SETTLED * 100:g} cm", loc="left")
     axes.set_xlim(0.0, window)
     axes.set_xlabel("time, s")
+
+
+def _own_error(run: Run, chain: int) -> str:
+    """Name of the error of a chain as the law has it; the true one where it records none."""
+    own = f"e{chain + 1}[1]"
+    return own if own in run.trajectory else error_names(run.trajectory)[chain]

@@ -1,7 +1,8 @@
 """Four protocols of fairness: what is held equal when laws are compared, as functions over one evaluation.
 
 `swept` holds the linear part, `equal_effort` the effort in a physical input, `pareto` the tuning budget, `monte_carlo`
-the draws. Each takes a function that runs a law with parameters in a case and returns its metrics, and gives a frozen
+the draws; `mapped` is a map, which holds nothing equal but the grid.
+Each takes a function that runs a law with parameters in a case and returns its metrics, and gives a frozen
 result with rows for CSV, plain data for JSON, a figure, and sentences that are never stronger than its numbers.
 """
 
@@ -15,18 +16,22 @@ from brunovsky.comparison.protocols.figures import (
     pareto_figure,
     swept_figure,
 )
+from brunovsky.comparison.protocols.map_figure import map_figure
+from brunovsky.comparison.protocols.mapped import Axis, Map, mapped
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo, monte_carlo
 from brunovsky.comparison.protocols.pareto import Pareto, pareto
 from brunovsky.comparison.protocols.swept import Swept, swept
 from brunovsky.comparison.protocols.tuning import Knob, Tuning
 
 __all__ = [
+    "Axis",
     "Distribution",
     "EqualEffort",
     "Evaluate",
     "Explanation",
     "Failure",
     "Knob",
+    "Map",
     "MonteCarlo",
     "Pareto",
     "Swept",
@@ -35,6 +40,8 @@ __all__ = [
     "draw_case",
     "equal_effort",
     "equal_effort_figure",
+    "map_figure",
+    "mapped",
     "monte_carlo",
     "monte_carlo_figure",
     "noise_seed",

@@ -68,3 +68,12 @@ MONTE_CARLO = Explanation(
     "metrics some intervals exclude zero by chance. That an interval contains zero does not show that the laws are "
     "equal. The laws are not tuned for the distributions.",
 )
+MAP = Explanation(
+    "Map",
+    "Each law is run from every point of the same grid, all else equal; one scale of lightness and lines of equal "
+    "value hold for all laws. A cross is a run that failed, a ring one that ended without the metric being defined. A map is "
+    "no protocol of fairness: it shows how a law depends on what is swept, and where.",
+    "Each point is one run, without spread. Between the points nothing was run: narrow valleys and ridges, such as the "
+    "starts that pass near the singularity, are drawn only as finely as the grid is, and extremes are those of the "
+    "grid. Laws are not tuned, and no point is more likely than another.",
+)

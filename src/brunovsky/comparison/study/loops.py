@@ -38,6 +38,9 @@ _RENAMED = {"relay": "sliding_mode_relay", "sampled": "sliding_mode_sampled"}
 _ACCELERATIONS = ("polar_sliding_mode", "backstepping")  # laws that command the bare robot
 _FROM_REST = {"rest_to_rest": "rest_to_rest", "goal_frame": "goal_frame_manoeuvre"}  # whole loops of their own
 
+AIMS_AT_HEADING = frozenset({"rest_to_rest", "goal_frame", "polar_sliding_mode", "backstepping"})
+"""Kinds that bring the heading to a wanted one; of the others it is left free."""
+
 
 @dataclass(frozen=True)
 class Hardware:

@@ -15,6 +15,7 @@ from brunovsky.comparison.study.table import StudyTable
 
 BANDWIDTH = "bandwidth"
 """Knob that scales the linear part in time: every gain of the outer loop in 1/s^n by its n-th power."""
+MOST_POINTS = 20_000  # of a map
 
 
 def _metric(name: str) -> str:
@@ -188,7 +189,50 @@ class MonteCarloTable(_Protocol):
         return {"": set(self.distributions)}
 
 
+class AxisTable(StudyTable):
+    """A key that is swept along an axis of a map: so many values from low to high, both included."""
+
+    knob: KnobKey
+    low: FiniteFloat
+    high: FiniteFloat
+    points: Annotated[int, Field(ge=2, le=1000)]
+
+    @model_validator(mode="after")
+    def _check(self) -> AxisTable:
+        if self.low >= self.high:
+            raise ValueError(f"low = {self.low:g} must be below high = {self.high:g}")
+        return self
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The values, ascending."""
+        width = (self.high - self.low) / (self.points - 1)
+        return (*(self.low + k * width for k in range(self.points - 1)), self.high)
+
+
+class MapTable(_Protocol):
+    """Metrics over one or two swept keys, as a map: how a law depends on the start, say. Holds nothing else equal."""
+
+    kind: Literal["map"]
+    across: AxisTable
+    up: AxisTable | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> MapTable:
+        if self.up is not None and self.up.knob == self.across.knob:
+            raise ValueError(f"across and up are both {self.up.knob}; give two keys, or leave out up")
+        runs = self.across.points * (self.up.points if self.up else 1)
+        if runs > MOST_POINTS:
+            raise ValueError(f"the map has {runs} points; give at most {MOST_POINTS}")
+        return self
+
+    @property
+    def knobs(self) -> dict[str, set[str]]:
+        """What is swept, for all laws."""
+        return {"": {self.across.knob, *([self.up.knob] if self.up else [])}}
+
+
 Protocol: TypeAlias = Annotated[
-    SweptTable | EqualEffortTable | ParetoTable | MonteCarloTable, Field(discriminator="kind")
+    SweptTable | EqualEffortTable | ParetoTable | MonteCarloTable | MapTable, Field(discriminator="kind")
 ]
-ANY_PROTOCOL = (SweptTable, EqualEffortTable, ParetoTable, MonteCarloTable)
+ANY_PROTOCOL = (SweptTable, EqualEffortTable, ParetoTable, MonteCarloTable, MapTable)

@@ -172,7 +172,8 @@ class Study(StudyTable):
     def chatter_grids(self) -> tuple[ChatterGrid, ...]:
         """Grids of switching loops whose chatter is predicted and measured, a grid for each chatter table."""
         switching = [law for law in self.laws if law.in_family and law.values["P"] > 0.0]
-        shared = study_block().parameter_values(by_name(self.parameters, parameter_keys()))
+        given = {text: value for text, value in self.parameters.items() if text in parameter_keys()}
+        shared = study_block().parameter_values(by_name(given, parameter_keys()))
         return tuple(table.grid(k, shared, switching) for k, table in enumerate(self.chatter, 1))
 
     def _check_layer(self, run: PlannedRun) -> None:
