@@ -167,7 +167,7 @@ def test_tighter_limits_scale_the_time() -> None:
 
 
 def test_a_push_out_of_the_tube_comes_back_to_where_the_reference_stands() -> None:
-    data = run("circle", 40.0, {"d[2]": lambda t: 200.0 if 12.0 <= t < 12.3 else 0.0}, parameters=ELSEWHERE)
+    data = run("circle", 40.0, {"d[2]": lambda t: 300.0 if 12.0 <= t < 12.3 else 0.0}, parameters=ELSEWHERE)
     modes = data["mode"].values
     assert set(modes[12_000:]) == {1, 2}
     assert error(data)[12_000:].max() > 0.1
@@ -191,7 +191,7 @@ def test_disturbances_and_another_mass_do_not_keep_it_from_the_circle(rho: float
 
 
 def test_another_law_is_taken() -> None:
-    tracker = B.tracker(B.circle(), B.pole_placement(poles=(-5.0, -5.0, -5.0)))
+    tracker = B.tracker(B.circle(), B.pole_placement(gains=[(125.0, 75.0, 15.0)] * 2))
     data = br.simulate(B.rest_to_trajectory(tracker_block=tracker), 20.0, parameters=ELSEWHERE, record=RECORD)
     check_limits(data)
     check_tracked(data)
@@ -231,7 +231,7 @@ def test_references_without_heading_or_end_are_refused() -> None:
 
 
 def test_numpy_and_c_agree() -> None:
-    values = {"x_start": 2**0.5 + 0.01, "theta_start": 0.02}
+    values = {"x_start": 2**0.5 + 0.001, "theta_start": 0.002}
     native, plain = (br.simulate(loop("circle"), 0.2, step_size=2e-3, parameters=values, record=RECORD, engine=engine)
                      for engine in ("native", "numpy"))  # fmt: skip
     assert following(native)[-1]

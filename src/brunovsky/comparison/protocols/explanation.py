@@ -71,7 +71,7 @@ MONTE_CARLO = Explanation(
 MAP = Explanation(
     "Map",
     "Each law is run from every point of the same grid, all else equal; one scale of lightness and lines of equal "
-    "value hold for all laws. A cross is a run that failed, a ring one that ended without the metric being defined. A map is "
+    "value hold for all laws. A cross is a run that failed, a ring one without the metric. A map is "
     "no protocol of fairness: it shows how a law depends on what is swept, and where.",
     "Each point is one run, without spread. Between the points nothing was run: narrow valleys and ridges, such as the "
     "starts that pass near the singularity, are drawn only as finely as the grid is, and extremes are those of the "
