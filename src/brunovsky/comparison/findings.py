@@ -54,7 +54,7 @@ def convergence(good: Good) -> str:
 
 def _against_linear(good: Good) -> list[str]:
     base = next((run for law, run, _ in good if law.kind == "linear"), None)
-    others = [run for law, run, _ in good if law.kind != "linear"]
+    others = [run for law, run, _ in good if law.kind in ("saturation", "sign")]
     if base is None or not others:
         return []
     known = {name: _known(base, others, name) for name in ("settling_time", "iae", *FINER)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from brunovsky.comparison.facts import Facts, given, joined, number
-from brunovsky.comparison.linear_part import predicted_residual, within_bounds
+from brunovsky.comparison.residuals import disturbed, predicted_residual, tail_peaks, within_bounds
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import MARK, both, converged, largest, sensitivity, spread_of, told
 from brunovsky.comparison.study import Law
@@ -21,9 +21,12 @@ def steady_state(good: Good) -> str:
     """What error remains, and what was predicted where there is a disturbance."""
     runs = [run for _, run, _ in good]
     p = runs[0].planned.parameters
-    nominal = not any(runs[0].planned.inputs.values())
+    planned = runs[0].planned
+    nominal = not any(tail_peaks(planned).values())
     if nominal and all(largest(run, "rms_tail_error") < ROUNDING for run in runs):
         uncertain = _idle_mismatch(good) if p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0 else ""
+        if disturbed(planned):
+            uncertain += ": the disturbance has passed by then"
         return f"Over the last quarter the error is nil for every purpose under each law (below 1 nm RMS){uncertain}."
     parts = []
     for law, run, _ in good:
@@ -34,7 +37,7 @@ def steady_state(good: Good) -> str:
     if not all(converged(run, "rms_tail_error") for run in runs):
         text += f" What is marked {MARK.strip()} is not converged with the step, and ranks no law."
     by_kind = {law.kind: run for law, run, _ in good}
-    if nominal or "sign" not in by_kind or "linear" not in by_kind:
+    if nominal or planned.noise or "sign" not in by_kind or "linear" not in by_kind:
         return text
     return text + _rejection(by_kind["sign"], by_kind["linear"])
 
@@ -51,7 +54,7 @@ def _idle_mismatch(good: Good) -> str:
 
 def _rejection(relay: Run, linear: Run) -> str:
     """What the sign function makes of a disturbance, as far as the bound and the step allow to say it."""
-    d1 = relay.planned.inputs.get("d[1]")
+    d1 = tail_peaks(relay.planned)["d[1]"]
     kind = "unmatched" if d1 else "matched"
     if not within_bounds(relay):
         return f" The disturbance is {kind} and beyond the bound that P rejects: sliding is not guaranteed."
@@ -112,7 +115,7 @@ def _amplification(run: Run, facts: Facts) -> str:
             ". The robot is within the guard then, whose gain η₁/η_min² falls to zero at rest, so that little of the "
             "relay reaches u₂"
         )
-    if any(run.planned.inputs.values()):
+    if not run.planned.is_undisturbed:
         return ""
     relay = math.sqrt(2.0) * p["P"] / abs(p["C[3]"])
     return (
