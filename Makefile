@@ -8,7 +8,7 @@ BIN := $(VENV)/bin
 # The matrices are small: threads of the linear algebra would only wait for each other.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: run test coverage lint docs reports clean
+.PHONY: run test coverage lint docs reports schema clean
 run: $(VENV)/installed
 	$(BIN)/brunovsky build -o build
 	$(BIN)/brunovsky compare comparisons/paper.toml -o build/paper
@@ -24,6 +24,10 @@ lint: $(VENV)/installed-dev
 
 docs: $(VENV)/installed-dev
 	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html
+
+# After a change of what a study file may hold.
+schema: $(VENV)/installed
+	$(BIN)/brunovsky schema > comparisons/study.schema.json
 
 reports: $(VENV)/installed
 	$(BIN)/python docs/refresh_reports.py $(STUDIES)
