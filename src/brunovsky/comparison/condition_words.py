@@ -30,17 +30,17 @@ def what_acts(planned: PlannedRun) -> list[str]:
 def _signal(signal: Signal) -> str:
     sizes = joined(
         [
-            f"{DISTURBANCES[name][0]} of {given(value)} {DISTURBANCES[name][1]}"
+            f"{given(value)} {DISTURBANCES[name][1]} in {DISTURBANCES[name][0]}"
             for name, value in signal.amplitudes.items()
         ]
     )
     when = f"from {given(signal.start_s)} s on" if signal.stop_s is None else ""
     when = when or f"from {given(signal.start_s)} s to {given(signal.stop_s or 0.0)} s"
     if signal.kind == "impulse":
-        return f"an impulse {sizes} over {given(1e3 * (signal.width_s or 0.0))} ms at {given(signal.start_s)} s"
+        return f"an impulse of {sizes} over {given(1e3 * (signal.width_s or 0.0))} ms at {given(signal.start_s)} s"
     if signal.kind == "sine":
-        return f"a sine {sizes} at {given(signal.angular_frequency_rad_per_s or 0.0)} rad/s {when}"
-    return f"a step {sizes} {when}"
+        return f"a sine of {sizes} at {given(signal.angular_frequency_rad_per_s or 0.0)} rad/s {when}"
+    return f"a step of {sizes} {when}"
 
 
 def _noise(planned: PlannedRun) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from brunovsky.comparison.facts import Facts, given, joined, number
-from brunovsky.comparison.residuals import disturbed, predicted_residual, tail_peaks, within_bounds
+from brunovsky.comparison.residuals import disturbed, predicted_noise, predicted_residual, tail_peaks, within_bounds
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import MARK, both, converged, largest, sensitivity, spread_of, told
 from brunovsky.comparison.study import Law
@@ -31,6 +31,7 @@ def steady_state(good: Good) -> str:
     parts = []
     for law, run, _ in good:
         expected = predicted_residual(run.planned, law) if within_bounds(run) or law.kind == "linear" else None
+        expected = predicted_noise(run.planned, law) if expected is None else expected
         text = f"{told(run, 'rms_tail_error')} m ({law.name}"
         parts.append(text + (f"; predicted {number(expected)} m)" if expected else ")"))
     text = f"Over the last quarter the RMS error is {joined(parts)}."

@@ -60,8 +60,17 @@ def motion_on_surface(study: Study) -> np.ndarray[tuple[int], np.dtype[np.comple
 
 
 def shares_one_linear_part(study: Study) -> bool:
-    """Whether all runs have the same C and Q."""
-    return len({tuple(run.parameters[name] for name in ("C[1]", "C[2]", "C[3]", "Q")) for run in study.plan()}) == 1
+    """Whether all runs under the paper's law have the same C and Q."""
+    return (
+        len(
+            {
+                tuple(run.parameters[name] for name in ("C[1]", "C[2]", "C[3]", "Q"))
+                for run in study.plan()
+                if run.in_family
+            }
+        )
+        == 1
+    )
 
 
 def _loop(title: str, gain: Array) -> LinearLoop:

@@ -6,9 +6,11 @@ import cmath
 import math
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import expm, solve_discrete_lyapunov
 
 from brunovsky.analysis import (
     boundary_layer_gain,
@@ -20,6 +22,7 @@ from brunovsky.analysis import (
 from brunovsky.comparison.metrics import TAIL, Array
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.study import Law, PlannedRun
+from brunovsky.comparison.study.loops import IDEAL
 
 DISTURBANCES = {"d[1]": ("d₁", "m/s²"), "d[2]": ("d₂", "rad/s²"), "dv[1]": ("d_v1", "m/s³"), "dv[2]": ("d_v2", "m/s³")}
 """Symbol and unit of each disturbance."""
@@ -65,8 +68,7 @@ def predicted_residual(planned: PlannedRun, law: Law) -> float | None:
     another kind, noise, hardware, parameter errors, a set point, or signals that begin or end in the last quarter.
     """
     p = planned.parameters
-    hardware = planned.loop.hardware
-    ideal = not (any(hardware.lags) or any(hardware.delays) or hardware.period) and min(hardware.limits) == math.inf
+    ideal = replace(planned.loop.hardware, noisy=False, matched=False) == IDEAL
     if not law.in_family or not ideal or planned.noise or not disturbed(planned):
         return None
     if p["radius"] == 0.0 or p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0:
@@ -95,6 +97,26 @@ def predicted_residual(planned: PlannedRun, law: Law) -> float | None:
                 right = surface[2] * heading if name == "d[1]" else 0.0
             parts[s] += right * wave.phasor / left
     return math.sqrt(sum(abs(one) ** 2 for one in parts.values()))
+
+
+def predicted_noise(planned: PlannedRun, law: Law) -> float | None:
+    """Root mean square of the position error that noise of x and y leaves under pole placement, m; else None.
+
+    Each axis is the chain e' = (A - B K) e - B k1 n with n white and held for a period: the discrete Lyapunov
+    equation gives its covariance at the instants of the noise. It is that of all runs, from which one run differs.
+    """
+    p, noise = planned.parameters, planned.noise
+    undisturbed = not disturbed(planned) and p["rho[1]"] == 1.0 and p["rho[2]"] == 1.0
+    bare = replace(planned.loop.hardware, noisy=False, matched=False) == IDEAL
+    if law.kind != "linear" or not noise or set(noise) - {"n[1]", "n[2]"} or not undisturbed or not bare:
+        return None
+    gain = sliding_gain([p[f"C[{k}]"] for k in (1, 2, 3)], p["Q"])
+    system = np.zeros((4, 4))
+    system[:3, :3] = np.eye(3, k=1)
+    system[2] = [*(-gain), -gain[0]]
+    held = expm(system * planned.noise_period)
+    covariance = solve_discrete_lyapunov(held[:3, :3], np.outer(held[:3, 3], held[:3, 3]))
+    return float(math.sqrt(covariance[0, 0] * sum(one**2 for one in noise.values())))
 
 
 def _waves(planned: PlannedRun, name: str) -> tuple[Wave, ...] | None:

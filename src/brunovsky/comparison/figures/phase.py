@@ -24,7 +24,7 @@ def phase_figure(comparison: Comparison, scenario: Scenario) -> Figure:
         _draw_portrait(axes, [(index, *_error_plane(run, k)) for index, _, run in laws])
         axes.set(xlabel=f"e of the {name} chain, m", ylabel="e′, m/s")
     for axes, k in zip(grid[1], (1, 2), strict=True):
-        planes = [(index, *_surface_plane(run, k)) for index, _, run in laws]
+        planes = [(index, *_surface_plane(run, k)) for index, _, run in laws if f"S[{k}]" in run.trajectory]
         _scale(axes, planes, laws)
         _draw_portrait(axes, planes)
         _draw_reaching(axes, laws)
@@ -52,7 +52,7 @@ def _surface_plane(run: Run, chain: int) -> tuple[Array, Array]:
 
 def _scale(axes: Axes, planes: list[tuple[int, Array, Array]], laws: Drawn) -> None:
     """Signed logarithmic axes that hold all planes."""
-    switching = max((run.planned.parameters["P"] for _, _, run in laws), default=0.0)
+    switching = max((run.planned.parameters["P"] for _, _, run in laws if run.planned.in_family), default=0.0)
     for axis, column, at_least in (("x", 1, _LINEAR), ("y", 2, max(1.0, 2.0 * switching))):
         peak = max([at_least, *(float(np.max(np.abs(one[column]), initial=0.0)) for one in planes)])
         drawing.signed_scale(axes, axis, _LINEAR if axis == "x" else 1.0, peak)
@@ -70,11 +70,13 @@ def _draw_portrait(axes: Axes, planes: list[tuple[int, Array, Array]]) -> None:
 
 
 def _draw_reaching(axes: Axes, laws: Drawn) -> None:
-    """S' = -Q S - P f(S) of each law, without disturbance."""
+    """S' = -Q S - P f(S) of each law of the paper's form, without disturbance."""
     low, high = axes.get_xlim()
     size = np.geomspace(1e-3 * _LINEAR, max(-low, high), 200)
     S = np.concatenate((-size[::-1], size))
     for _, law, run in laws:
+        if not run.planned.in_family:
+            continue
         p = run.planned.parameters
         width = p["phi"] if law.kind == "saturation" else 0.0
         switching = np.clip(S / width, -1.0, 1.0) if width else np.sign(S)

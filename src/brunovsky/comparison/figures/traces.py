@@ -46,8 +46,10 @@ def shown(run: Run, window: float) -> tuple[Array, np.ndarray[Any, np.dtype[np.b
 
 
 def draw_signal(axes: Axes, laws: Drawn, name: str, window: float) -> None:
-    """One recorded variable of all laws over time."""
+    """One recorded variable of all laws over time; a law that does not record it has no line."""
     for index, _, run in laws:
+        if name not in run.trajectory:
+            continue
         time, inside = shown(run, window)
         axes.plot(*drawing.thinned(time, values(run.trajectory, name)[inside]), **drawing.style(index))
     axes.set_xlim(0.0, window)

@@ -16,6 +16,7 @@ from brunovsky.comparison.protocols.figures import (
     swept_figure,
 )
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo, monte_carlo
+from brunovsky.comparison.protocols.monte_carlo_findings import monte_carlo_headline
 from brunovsky.comparison.protocols.pareto import Pareto, pareto
 from brunovsky.comparison.protocols.swept import Swept, swept
 from brunovsky.comparison.protocols.tuning import Knob, Tuning
@@ -37,6 +38,7 @@ __all__ = [
     "equal_effort_figure",
     "monte_carlo",
     "monte_carlo_figure",
+    "monte_carlo_headline",
     "noise_seed",
     "pareto",
     "pareto_figure",

@@ -87,7 +87,10 @@ def _pictures(comparison: Comparison, scenario: Scenario) -> tuple[Picture, ...]
     window = figures.transient_window(comparison, scenario)
     until = f"The first {given(window)} s." if window < scenario.duration_s else "To the end."
     found = []
+    slides = any("S[1]" in run.trajectory for run in comparison.of(scenario).values())
     for name, draw, about in _FIGURES:
+        if name == "Sliding variables" and not slides:
+            continue
         title = f"{name}: {scenario.title}"
         key = f"{scenario.name}-{name.lower().replace(' ', '-')}"
         svg = drawing.svg(draw(comparison, scenario), key, title)

@@ -66,6 +66,11 @@ class PlannedRun:
         return not (any(self.inputs.values()) or self.signals or self.noise)
 
     @property
+    def in_family(self) -> bool:
+        """Whether its law is the paper's, with P or without: C, Q, P and phi are its parameters."""
+        return self.loop.controller == "sliding_mode"
+
+    @property
     def is_ideal(self) -> bool:
         """Whether sensors and actuators are ideal."""
         return self.loop.hardware == IDEAL
