@@ -102,7 +102,9 @@ def test_linear_laws_leave_what_is_predicted(study, acting):
 def test_what_the_relay_leaves_of_a_constant_force_is_the_analysis_of_sliding(study):
     found = study(CONSTANT.format(what="d_1_m_per_s2 = 0.2\ndv_1_m_per_s3 = 0.3"))
     run = next(one for one in found.plan() if one.law == "relay")
-    assert predicted_residual(run, found.law("relay")) == pytest.approx(unmatched_residual([500, 10, 1], 0.2, math.pi / 2))
+    assert predicted_residual(run, found.law("relay")) == pytest.approx(
+        unmatched_residual([500, 10, 1], 0.2, math.pi / 2)
+    )
 
 
 def test_what_has_passed_leaves_nothing_and_is_no_nominal_run(study):

@@ -99,14 +99,19 @@ class AnalyzedLaw:
 
 
 def analyzed_laws(study: Study) -> tuple[AnalyzedLaw, ...]:
-    """Every law of a study that runs, once for each set of numbers that its scenarios give it."""
+    """Every law of the paper's family that runs, once for each set of numbers that its scenarios give it."""
     found: dict[tuple[str, tuple[float, ...]], list[PlannedRun]] = {}
-    for run in study.plan():
+    for run in family_runs(study):
         found.setdefault((run.law, law_numbers(run)), []).append(run)
     order = [law.name for law in study.laws]
     return tuple(
         _law(study, name, found[name, key]) for name, key in sorted(found, key=lambda one: order.index(one[0]))
     )
+
+
+def family_runs(study: Study) -> tuple[PlannedRun, ...]:
+    """Runs of a study under laws of the paper's family, which this analysis knows."""
+    return tuple(run for run in study.plan() if run.in_family)
 
 
 def law_numbers(run: PlannedRun) -> tuple[float, ...]:
