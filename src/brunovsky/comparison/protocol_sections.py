@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing
 from brunovsky.comparison.figures import worst_paths_figure
-from brunovsky.comparison.protocol_runs import Path, ProtocolRun
+from brunovsky.comparison.protocol_runs import Path, ProtocolRun, Result
 from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
 from brunovsky.comparison.protocols import (
     EqualEffort,
@@ -20,6 +20,7 @@ from brunovsky.comparison.protocols import (
     equal_effort_figure,
     map_figure,
     monte_carlo_figure,
+    monte_carlo_headline,
     pareto_figure,
     swept_figure,
 )
@@ -99,14 +100,31 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
     rows = result.summary_rows() if isinstance(result, MonteCarlo | Map) else result.rows()
     findings = tuple(result.findings())
     return ProtocolSection(
-        title=f"{explanation.title}: {scenario}",
+        title=f"{_title(result)}: {scenario}",
         explanation=f"{explanation.holds_equal} What it cannot say: {explanation.cannot_say}",
         figure_svg=picture if drawn else "",
         table=table_of(key, rows, f"{explanation.title}, “{scenario}”"),
         findings=(*findings, *_agreement(one)),
         caption=f"{explanation.title}, “{scenario}”.",
-        headline=findings[-1] if findings else "",
+        headline=_headline(result, findings),
     )
+
+
+def _headline(result: Result, findings: Sequence[str]) -> str:
+    """What the verdict says of a protocol: of the metric that the study names first, or of the fronts."""
+    if isinstance(result, MonteCarlo):
+        return monte_carlo_headline(result)
+    if isinstance(result, EqualEffort):
+        findings = [one for one in findings if one.startswith("At equal effort")] or findings
+    if not findings:
+        return ""
+    return findings[-1] if isinstance(result, Pareto) else findings[0]
+
+
+def _title(result: Result) -> str:
+    """Title of a protocol; that of a sweep names what is swept."""
+    title = result.explanation.title
+    return title.replace("one parameter", result.knob) if isinstance(result, Swept) else title
 
 
 def _agreement(one: ProtocolRun) -> list[str]:

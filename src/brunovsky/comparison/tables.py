@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from brunovsky.comparison.condition_words import what_acts
 from brunovsky.comparison.definitions import METRIC_DEFINITIONS
 from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
@@ -22,7 +23,6 @@ MARGIN_ROWS = (
     ("lag", "longest first-order lag, ms", 1e3),
     ("two_lags", "two equal lags, each at most, ms", 1e3),
 )
-_DISTURBANCES = {"d[1]": ("d₁", "m/s²"), "d[2]": ("d₂", "rad/s²")}
 
 
 def metric_rows(runs: list[Run]) -> list[tuple[str, str, list[str]]]:
@@ -87,12 +87,7 @@ def conditions(run: Run) -> str:
     else:
         center = f"({given(p['center[1]'])} m, {given(p['center[2]'])} m)"
         text += f", along a circle of radius {given(p['radius'])} m about {center} at {given(p['rate'])} rad/s"
-    extra = [
-        f"{symbol} = {given(run.planned.inputs[name])} {unit}"
-        for name, (symbol, unit) in _DISTURBANCES.items()
-        if run.planned.inputs[name]
-    ]
-    extra += [f"ρ{'₁₂'[k]} = {given(p[f'rho[{k + 1}]'])}" for k in (0, 1) if p[f"rho[{k + 1}]"] != 1.0]
+    extra = what_acts(run.planned)
     return f"{text}; {', '.join(extra)}." if extra else f"{text}."
 
 

@@ -19,6 +19,7 @@ from brunovsky.comparison.protocols.figures import (
 from brunovsky.comparison.protocols.map_figure import map_figure
 from brunovsky.comparison.protocols.mapped import Axis, Map, mapped
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo, monte_carlo
+from brunovsky.comparison.protocols.monte_carlo_findings import monte_carlo_headline
 from brunovsky.comparison.protocols.pareto import Pareto, pareto
 from brunovsky.comparison.protocols.swept import Swept, swept
 from brunovsky.comparison.protocols.tuning import Knob, Tuning
@@ -44,6 +45,7 @@ __all__ = [
     "mapped",
     "monte_carlo",
     "monte_carlo_figure",
+    "monte_carlo_headline",
     "noise_seed",
     "pareto",
     "pareto_figure",

@@ -96,7 +96,7 @@ class EqualEffortTable(_Protocol):
     target: Annotated[FiniteFloat, Field(gt=0.0)] | None = None
     target_law: str | None = None
     tuned: Annotated[Mapping[str, KnobTable], *_Plain] = Field(min_length=1)
-    budget: Annotated[int, Field(ge=4, le=1000)] = 40
+    budget: Annotated[int, Field(ge=10, le=1000)] = 40
 
     @model_validator(mode="after")
     def _check(self) -> EqualEffortTable:
