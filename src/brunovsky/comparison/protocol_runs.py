@@ -13,12 +13,14 @@ from brunovsky._frozen import FrozenMapping
 from brunovsky.analysis import resting_poses
 from brunovsky.comparison.agreement import Agreement, cross_check
 from brunovsky.comparison.engines import Engine, NativeSimulation, check_outcome
+from brunovsky.comparison.margin_runs import run_margins
 from brunovsky.comparison.metrics import compute_metrics
 from brunovsky.comparison.protocols import (
     Distribution,
     EqualEffort,
     Failure,
     Knob,
+    MeasuredLoopMargins,
     MonteCarlo,
     Pareto,
     Swept,
@@ -32,6 +34,7 @@ from brunovsky.comparison.study import PlannedRun, Study
 from brunovsky.comparison.study.keys import unit_suffix
 from brunovsky.comparison.study.protocols import (
     EqualEffortTable,
+    MarginsTable,
     ParetoTable,
     Protocol,
     SweptTable,
@@ -39,7 +42,7 @@ from brunovsky.comparison.study.protocols import (
 from brunovsky.errors import StudyError
 
 WORST = 10  # cases that are drawn as paths
-Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo
+Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo | MeasuredLoopMargins
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +75,7 @@ class ProtocolRun:
     ----------
     table : Protocol
         What was asked for.
-    result : Swept, EqualEffort, Pareto or MonteCarlo
+    result : Swept, EqualEffort, Pareto, MonteCarlo or MeasuredLoopMargins
         What came out.
     agreement : tuple of Agreement
         Of the trials that were repeated by the native simulation.
@@ -160,6 +163,8 @@ def run_protocol(
     StudyError
         If the effort that is to be equalled is undefined.
     """
+    if isinstance(table, MarginsTable):
+        return ProtocolRun(table, run_margins(study, table, native, progress), (), (), FrozenMapping({}))
     trials = _Trials(study, table, engine, native, progress)
     laws: dict[str, Mapping[str, float]] = {law.name: {} for law in study.laws_of_protocol(table)}
     worst: tuple[Path, ...] = ()

@@ -8,15 +8,18 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.chatter_section import chatter_section
 from brunovsky.comparison.figures import worst_paths_figure
 from brunovsky.comparison.protocol_runs import Path, ProtocolRun
 from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
 from brunovsky.comparison.protocols import (
     EqualEffort,
+    MeasuredLoopMargins,
     MonteCarlo,
     Pareto,
     Swept,
     equal_effort_figure,
+    margins_figure,
     monte_carlo_figure,
     pareto_figure,
     swept_figure,
@@ -28,6 +31,7 @@ _FIGURES: Mapping[type, Callable[..., Figure]] = {
     EqualEffort: equal_effort_figure,
     Pareto: pareto_figure,
     MonteCarlo: monte_carlo_figure,
+    MeasuredLoopMargins: margins_figure,
 }
 
 
@@ -40,7 +44,8 @@ def protocol_sections(comparison: Comparison) -> tuple[ProtocolSection, ...]:
         found.append(_section(one, index, scenario.title, titles))
         if one.worst:
             found.append(_worst_section(one, index, titles))
-    return tuple(found)
+    chatter = chatter_section(comparison)
+    return tuple(found) if chatter is None else (chatter, *found)
 
 
 def trial_tables(comparison: Comparison) -> tuple[Table, ...]:
@@ -76,7 +81,7 @@ def _cell(value: Any) -> Cell:
 
 def _trial_rows(one: ProtocolRun) -> list[dict[str, Any]]:
     drawn = one.drawn
-    return [{**row, **{key: values[int(row["case"])] for key, values in drawn.items()}} for row in one.result.rows()]
+    return [{**row, **{key: values[int(row.get("case", 0))] for key, values in drawn.items()}} for row in one.result.rows()]
 
 
 def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, str]) -> ProtocolSection:

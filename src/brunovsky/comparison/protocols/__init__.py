@@ -15,6 +15,8 @@ from brunovsky.comparison.protocols.figures import (
     pareto_figure,
     swept_figure,
 )
+from brunovsky.comparison.protocols.margins import MarginRow, MeasuredLoopMargins
+from brunovsky.comparison.protocols.margins_figure import margins_figure
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo, monte_carlo
 from brunovsky.comparison.protocols.pareto import Pareto, pareto
 from brunovsky.comparison.protocols.swept import Swept, swept
@@ -27,6 +29,8 @@ __all__ = [
     "Explanation",
     "Failure",
     "Knob",
+    "MarginRow",
+    "MeasuredLoopMargins",
     "MonteCarlo",
     "Pareto",
     "Swept",
@@ -35,6 +39,7 @@ __all__ = [
     "draw_case",
     "equal_effort",
     "equal_effort_figure",
+    "margins_figure",
     "monte_carlo",
     "monte_carlo_figure",
     "noise_seed",

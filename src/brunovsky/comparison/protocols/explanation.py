@@ -68,3 +68,14 @@ MONTE_CARLO = Explanation(
     "metrics some intervals exclude zero by chance. That an interval contains zero does not show that the laws are "
     "equal. The laws are not tuned for the distributions.",
 )
+MARGINS = Explanation(
+    "Measured margins",
+    "Each law does the same scenario with another gain, delay, lag or sampling period of its actuators, until it no "
+    "longer does it; bisection narrows the place down. A run counts as stable while its position error still contracts, "
+    "or stays within the stated bound without growing. Beside it stands what the linear part (P = 0), and the linear "
+    "loop within the boundary layer, are predicted to stand along the scenario’s motion.",
+    "A nonlinear loop has no margin as such: these belong to the scenario’s start and duration. Only one loss of "
+    "stability is found between the ends of the range, and a finite run cannot tell slow decay from slow growth. A law "
+    "that chatters within the bound counts as stable. A prediction is of small deviations; a start far from the "
+    "reference is none.",
+)

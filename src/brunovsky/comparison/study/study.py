@@ -19,7 +19,7 @@ from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.study.chatter_grid import MOST_POINTS, ChatterGrid, ChatterTable
 from brunovsky.comparison.study.keys import loop_keys, parameter_keys, remedy, study_block
 from brunovsky.comparison.study.law import Law, Name
-from brunovsky.comparison.study.loops import KINDS, LawKind, knows_hardware
+from brunovsky.comparison.study.loops import KINDS, Hardware, LawKind, knows_hardware
 from brunovsky.comparison.study.planned import PlannedRun
 from brunovsky.comparison.study.planning import check_protocol, planned_run
 from brunovsky.comparison.study.problems import describe
@@ -182,9 +182,14 @@ class Study(StudyTable):
         return tuple(one for one in laws if protocol.laws is None or one.name in protocol.laws)
 
     def planned_case(
-        self, protocol: Protocol, law: Law, changed: Mapping[str, float], seed: tuple[int, ...] | None = None
+        self,
+        protocol: Protocol,
+        law: Law,
+        changed: Mapping[str, float],
+        seed: tuple[int, ...] | None = None,
+        hardware: Hardware | None = None,
     ) -> PlannedRun:
-        """One run of a protocol: its scenario under a law, with keys changed, and another seed of the noise."""
+        """One run of a protocol: its scenario under a law, with keys changed, another seed of the noise or hardware."""
         scenario = self.scenario(protocol.scenario)
         return planned_run(
             law,
@@ -194,6 +199,7 @@ class Study(StudyTable):
             seed=seed or seed_of(self.seed, scenario.name),
             changed=changed,
             duration=protocol.duration_s,
+            hardware=hardware,
         )
 
     def digest(self) -> str:
