@@ -1,4 +1,5 @@
 # make run    the paper's comparison on a native FMU; make test  the test suite; both in .venv (make test ARGS='-k robot' picks)
+# make reports  every study that ships, in full, and what is committed of them; STUDIES='noise matched' runs these alone
 # make coverage  the tests of CI with what they cover, which takes half as long again
 PYTHON ?= python3
 VENV := .venv
@@ -7,7 +8,7 @@ BIN := $(VENV)/bin
 # The matrices are small: threads of the linear algebra would only wait for each other.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: run test coverage lint docs clean
+.PHONY: run test coverage lint docs reports schema clean
 run: $(VENV)/installed
 	$(BIN)/brunovsky build -o build
 	$(BIN)/brunovsky compare comparisons/paper.toml -o build/paper
@@ -23,6 +24,13 @@ lint: $(VENV)/installed-dev
 
 docs: $(VENV)/installed-dev
 	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html
+
+# After a change of what a study file may hold.
+schema: $(VENV)/installed
+	$(BIN)/brunovsky schema > comparisons/study.schema.json
+
+reports: $(VENV)/installed
+	$(BIN)/python docs/refresh_reports.py $(STUDIES)
 
 clean:
 	rm -rf build docs/_build $(VENV)

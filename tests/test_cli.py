@@ -9,6 +9,7 @@ from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 from brunovsky import cli
+from brunovsky._resources import resource
 
 
 @pytest.fixture
@@ -245,3 +246,8 @@ def test_ctrl_c_is_status_130(run, monkeypatch: pytest.MonkeyPatch) -> None:  # 
     monkeypatch.setitem(cli.SYSTEMS, "robot", interrupt)  # type: ignore[arg-type]
     status, _, err = run("derive")
     assert status == 130 and err == "brunovsky: stopped\n"
+
+
+def test_schema_is_printed_as_it_ships(run) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = run("schema")
+    assert status == 0 and out == resource("comparisons", "study.schema.json").read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The command line: derive, build, check, analyze, compare, list.
+"""The command line: derive, build, check, analyze, compare, schema, list.
 
 Exit status 0 on success, 1 on a failed check or a comparison all of whose runs failed, 2 on unusable input, 130 on
 Ctrl-C, with one readable line and no traceback unless ``--debug``.
@@ -73,6 +73,8 @@ BLOCKS: Mapping[str, Callable[[], br.Block]] = {
         "polar_sliding_mode",
         "backstepping",
         "closed_loop",
+        "regulator",
+        "rest_to_rest",
     )
 }
 
@@ -82,6 +84,7 @@ class Engine(StrEnum):
 
     native = "native"
     fmpy = "fmpy"
+    ssp = "ssp"
 
 
 class FmiVersion(StrEnum):
@@ -255,8 +258,9 @@ def compare(
     engine: Annotated[
         Engine | None, typer.Option("--engine", help="What runs the study, in place of its own choice.")
     ] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too (extra pdf).")] = False,
 ) -> None:
-    """Run a study and write its report and metrics."""
+    """Run a study and write its report, metrics, traces and tables."""
     from brunovsky.comparison import compare_study, load_study  # here, since it takes longer than the other commands
 
     path = study if study.suffix == ".toml" else _shipped_study(str(study))
@@ -268,15 +272,28 @@ def compare(
         def show(done: int, total: int, what: str) -> None:
             progress.update(task, completed=done, total=total, description=what)
 
-        written = compare_study(loaded, folder, engine=engine.value if engine else None, progress=show)
-    for one in written:
-        _say(str(one))
+        written = compare_study(loaded, folder, engine=engine.value if engine else None, pdf=pdf, progress=show)
+    for one in (written.report, written.pdf, written.metrics, *_folders(written.traces, written.tables)):
+        if one is not None:
+            _say(str(one))
     runs = json.loads(written.metrics.read_text(encoding="utf-8"))["runs"]
     failed = [run for run in runs if run["status"] != "ok"]
     for run in failed:
         _err.print(f"brunovsky: {escape(run['name'])} failed: {escape(str(run['status_message']))}", soft_wrap=True)
     if len(failed) == len(runs):
         sys.exit(1)
+
+
+def _folders(*groups: tuple[Path, ...]) -> list[Path]:
+    return [group[0].parent for group in groups if group]
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of study files."""
+    from brunovsky.comparison.schema import schema_text
+
+    sys.stdout.write(schema_text())
 
 
 @app.command("list")

@@ -155,6 +155,27 @@ def test_a_goal_that_changes_while_moving_is_reached(loop: Block) -> None:
     assert abs(outputs["eta[1]"]) < 1e-3 and abs(outputs["eta[2]"]) < 1e-3
 
 
+def check_disturbed(loop: Block, number: int, seed: int) -> None:
+    """All arrive within all limits under the largest disturbances and errors of mass and inertia."""
+    poses, rng = resting_poses(number, seed=seed), np.random.default_rng(seed)
+    for k in range(number):
+        start = {name: float(poses[name][k]) for name in ("x_start", "y_start", "theta_start", "goal_heading")}
+        wrong = {f"rho[{i}]": float(rng.choice([0.8, 1.2])) for i in (1, 2)}
+        pushes = {f"d[{i}]": float(rng.choice([-0.2, 0.2])) for i in (1, 2)}
+        data = br.simulate(loop, 20.0, parameters=AT_ORIGIN | start | wrong, inputs=pushes, record=RECORD)
+        check_limits(data)
+        assert arrival(data, start["goal_heading"]) <= 20.0, (start, wrong, pushes)
+
+
+def test_disturbed_poses_are_reached_within_all_limits(loop: Block) -> None:
+    check_disturbed(loop, 4, seed=2)
+
+
+@pytest.mark.slow
+def test_a_hundred_disturbed_poses_are_reached_within_all_limits(loop: Block) -> None:
+    check_disturbed(loop, 100, seed=0)
+
+
 @pytest.mark.parametrize("rho", [0.8, 1.2])
 @pytest.mark.parametrize("law", [{}, {"P": 0.5}])
 def test_disturbances_and_another_mass_do_not_keep_it_from_the_goal(
@@ -182,10 +203,40 @@ def test_a_moving_robot_is_braked_before_it_plans(loop: Block) -> None:
     assert arrival(data) < 12.0
 
 
-@pytest.mark.parametrize("name", ["speed_limit", "u_limit[1]", "u_limit[2]"])
-def test_a_limit_of_zero_is_refused_with_the_reason(loop: Block, name: str) -> None:
-    with pytest.raises(ParameterError, match="must be positive: a robot that may not"):
-        br.simulate(loop, 1.0, parameters={name: 0.0})
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ({"speed_limit": 0.0}, "may not move"),
+        ({"u_limit[1]": 0.0}, "may not accelerate"),
+        ({"u_limit[2]": 0.0}, "may not turn"),
+        ({"u_limit[2]": 1.8e-3}, "half a turn in place takes more than 120 s; raise u_limit"),
+        ({"u_limit[2]": 6e-3, "reserve": 0.9}, "half a turn in place .* lower reserve"),
+        ({"u_limit[1]": 0.02}, "takes more than 120 s to reach speed_limit; raise u_limit"),
+        ({"speed_limit": 0.1}, "eta_min must be less than the 95 % of speed_limit .* lower eta_min"),
+        ({"tolerance": 1e-5}, "tolerance must be at least 0.0001 m"),
+        ({"tube": 0.002}, "tube must be greater than tolerance"),
+        ({"hold_rate": 0.0}, "hold_rate must be at least 0.1 1/s"),
+        ({"observer_rate": 0.0}, "observer_rate must be at least 0.1 1/s"),
+        ({"reserve": 0.95}, "reserve = 0.95 .* from 0 to 0.9"),
+    ],
+)
+def test_what_no_plan_can_keep_is_refused_with_the_reason(loop: Block, values: dict[str, float], reason: str) -> None:
+    with pytest.raises(ParameterError, match=reason):
+        br.simulate(loop, 0.01, parameters=values)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"u_limit[2]": 2.0e-3},
+        {"u_limit[1]": 0.03},
+        {"speed_limit": 0.1, "eta_min": 0.09},
+        {"tolerance": 1e-4, "tube": 1.1e-4},
+        {"hold_rate": 0.1, "observer_rate": 0.1},
+    ],
+)
+def test_what_a_plan_can_just_keep_is_not_refused(loop: Block, values: dict[str, float]) -> None:
+    assert np.isfinite(br.simulate(loop, 0.01, parameters=values)["u[2]"]).all()
 
 
 def test_tighter_limits_scale_the_time(loop: Block) -> None:

@@ -59,6 +59,8 @@ def test_reaching_time_of_a_decay_is_that_to_its_band(layer, band):
     metrics = compute_metrics(record(S1=np.exp(-TIME), S2=-3.0 * np.exp(-TIME)), layer=layer)
     assert metrics.reaching_time == pytest.approx(math.log(3.0 / band), abs=1e-3)
     assert metrics.sliding_band == pytest.approx(3.0 * math.exp(-6.0))
+    common = compute_metrics(record(S1=np.exp(-TIME)), layer=layer, band=0.1)
+    assert common.reaching_time == pytest.approx(math.log(10.0), abs=1e-3)
 
 
 def test_a_surface_that_is_left_again_is_not_reached_before():
@@ -142,6 +144,8 @@ def test_rest_at_the_goal_is_no_approach_to_the_singularity():
     assert regulation.min_speed_moving == pytest.approx(3.0 * 0.01, rel=3e-3)
     tracking = compute_metrics(record(x=TIME, eta1=1.0 + 0.9 * np.sin(TIME)))
     assert tracking.min_speed_moving == tracking.min_speed == pytest.approx(0.1, abs=1e-6)
+    reversing = compute_metrics(record(x=TIME, eta1=np.where(TIME < 3.0005, 1.0, -1.0)))
+    assert (reversing.min_speed_moving, reversing.min_speed) == (0.0, 1.0)
 
 
 def test_what_was_not_recorded_is_none():

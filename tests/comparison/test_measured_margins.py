@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from brunovsky.analysis import margins
+from brunovsky.blocks import closed_loop, pole_placement
 from brunovsky.comparison.measured_margins import bisect_margin, bounded_at_the_end, measured_margins
-from brunovsky.errors import ParameterError
+from brunovsky.errors import ParameterError, SimulationError
+from brunovsky.native import simulate
 
 TIME = np.linspace(0.0, 8.0, 801)
 K = np.array([2500.0, 550.0, 15.0])
@@ -100,3 +102,25 @@ def test_measured_margins_of_a_linear_loop_are_its_margins():
 def test_a_loop_that_is_unstable_as_it_is_has_no_margins():
     found = measured_margins(lambda gain, delay: None, bound=1.0)
     assert found.delay.value is None and "as it is" in found.delay.reason
+
+
+def test_the_lower_gain_margin_of_the_robot_is_that_of_its_chains_near_the_circle_alone():
+    """Exact linearisation leaves the linear loop; from far away its swings pass the singularity before that."""
+    block = closed_loop(pole_placement())
+    near = {"x_start": math.sqrt(2.0) + 0.02, "eta_start[1]": 0.5 * math.sqrt(2.0), "eta_start[2]": 0.5}
+
+    def margin(start: dict[str, float]) -> float:
+        def stable(gain: float) -> bool:
+            parameters = {f"K[{k}]": gain * one for k, one in enumerate(K, 1)} | start
+            try:
+                run = simulate(block, 40.0, step_size=2e-3, parameters=parameters, record=("e1[1]", "e2[1]"))
+            except SimulationError:
+                return False
+            error = np.hypot(run["e1[1]"].values, run["e2[1]"].values)
+            return bounded_at_the_end(run["time"].values, error, 1e-3)
+
+        return bisect_margin(stable, 0.1, 1.0, rtol=0.005).value
+
+    linear = margins(K).gain_lower
+    assert margin(near) == pytest.approx(linear, rel=0.015)
+    assert margin({}) > 1.05 * linear

@@ -74,14 +74,15 @@ def test_the_page_is_well_formed_and_refers_to_nothing_outside(page, written):
     text = written.report.read_text(encoding="utf-8")
     addresses = set(re.findall(r"https?://[^\"'\s<]+", text))
     assert addresses <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
-    assert "<script" not in text and "@import" not in text
-    assert written.report.stat().st_size < 4_000_000
+    assert "@import" not in text and page.count["script"] == 1
+    assert written.report.stat().st_size < 6_000_000
 
 
 def test_the_page_has_every_figure_table_and_section(page, paper):
-    assert page.count["svg"] == len(paper.scenarios) + 2  # paths of figure 6, and the poles
+    linear = 3  # poles, Bode and Nyquist, describing function
+    assert page.count["svg"] == page.count["figure"] == 5 * len(paper.scenarios) + 1 + linear  # 1: paths of figure 6
     assert page.count["h3"] == len(paper.scenarios)
-    assert page.count["table"] == len(paper.scenarios) + 4
+    assert page.count["table"] == len(paper.scenarios) + 6
     assert {one.name for one in paper.scenarios} <= set(page.ids)
     text = " ".join(" ".join(page.texts).split())
     for part in (
@@ -136,8 +137,9 @@ def test_the_same_runs_give_the_same_bytes(small):
 def test_one_call_does_it_all_and_shows_its_progress(small, tmp_path):
     seen = []
     written = compare_study(small, tmp_path / "out", progress=lambda *what: seen.append(what))
-    assert [path.name for path in written] == ["report.html", "metrics.json"]
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["metrics.json", "report.html"]
+    assert (written.report.name, written.metrics.name, written.pdf) == ("report.html", "metrics.json", None)
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == ["metrics.json", "report.html", "tables", "traces"]
     assert seen[0] == (0, 2, "circle/linear") and seen[1] == (1, 2, "circle/relay") and seen[-1][:2] == (2, 2)
 
 
@@ -152,15 +154,17 @@ def test_a_report_is_written_whole_or_not_at_all(small, tmp_path, monkeypatch):
     monkeypatch.setattr(os, "replace", full)
     with pytest.raises(OSError, match="disk full"):
         write_report(comparison, tmp_path / "out")
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["report.html"]
+    assert [path for path in (tmp_path / "out").rglob("*") if path.is_file()] == [tmp_path / "out" / "report.html"]
     assert (tmp_path / "out" / "report.html").read_text() == "before"
 
 
 def test_verdicts_follow_the_numbers(paper_runs, small):
     verdicts = {claim.quote[:30]: claim.verdict for claim in claims(paper_runs)}
-    assert sorted(verdicts.values()) == sorted(
-        ["in part", "confirmed", "in part", "in part", "in part", "confirmed", "confirmed", "in part"]
-    )
+    assert list(verdicts.values()) == [
+        "confirmed under conditions", "confirmed", "confirmed under conditions", "confirmed under conditions",
+        "confirmed under conditions", "not examined", "confirmed", "confirmed", "confirmed",
+        "confirmed under conditions",
+    ]  # fmt: skip
     gentle = small.read_text().replace('title = "Circle"', 'title = "Circle"\nfigure = "6"')
     gentle = gentle.replace(
         "eta_min_m_per_s = 0.05", "eta_min_m_per_s = 0.05\nC_1_per_s2 = 4.0\nC_2_per_s = 4.0\nQ_per_s = 1.0"

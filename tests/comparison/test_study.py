@@ -97,7 +97,7 @@ def test_a_study_is_frozen_and_pickles(small):
             ["'circle'", "no law 'relai'", "did you mean relay"],
         ),
         ('title = "Circle"', 'title = "Circle"\nlaws = []', ["'circle'", "at least one law"]),
-        ('engine = "native"', 'engine = "openmodelica"', ["engine", "'fmpy' or 'native'"]),
+        ('engine = "native"', 'engine = "openmodelica"', ["engine", "'fmpy', 'native' or 'ssp'"]),
         ('engine = "native"', 'engines = "native"', ["line 4", "engines", "did you mean engine"]),
         (
             "[scenarios.parameters]",

@@ -41,3 +41,22 @@ def test_model_exchange_arrives_too(tmp_path: Path, version: int) -> None:
     assert result["mode"][-1] == 0
     assert abs(result["x"][-1]) < 1e-3 and abs(result["y"][-1]) < 1e-3
     assert abs(result["theta"][-1] + 0.5) < 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("name", ["regulator", "rest_to_rest"])
+def test_every_check_passes(tmp_path: Path, name: str, version: int) -> None:
+    report = br.check_fmu(br.export_fmu(getattr(br.blocks, name)(), tmp_path / f"{name}.fmu", fmi_version=version))
+    assert report.passed, report.failed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+def test_what_no_plan_can_keep_is_refused_by_the_fmu_too(tmp_path: Path, version: int) -> None:
+    path = br.export_fmu(br.blocks.rest_to_rest(), tmp_path / "rest_to_rest.fmu", fmi_version=version)
+    messages: list[str] = []
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmpy.simulate_fmu(str(path), fmi_type="CoSimulation", stop_time=0.01, start_values={"observer_rate": 0.0},
+                          logger=lambda *arguments: messages.append(str(arguments[-1])))  # fmt: skip
+    assert any("observer_rate must be at least 0.1 1/s" in one for one in messages)

@@ -13,7 +13,7 @@ import sympy as sp
 
 from brunovsky._suggest import unknown_name
 from brunovsky.blocks.clocks import checked_clocks, clocked_samples
-from brunovsky.blocks.relations import RelationTable, ordered_relations, reached_relations, root_symbols
+from brunovsky.blocks.relations import RelationTable, ordered_relations, reached_relations, root_symbols, symbols_in
 from brunovsky.blocks.units import unit_exponents
 from brunovsky.blocks.variables import (
     NAME,
@@ -186,7 +186,7 @@ class Block:
         everything = {variable.symbol for variable in self.variables} - outputs | relations | {TIME}
         for what, expression, known in self._expressions():
             usable = parameters if known == _FROM_PARAMETERS else everything
-            unknown = expression.free_symbols - usable
+            unknown = symbols_in(expression) - usable
             if unknown:
                 twins = {str(one) for one in unknown} & {str(one) for one in usable}
                 if twins:
@@ -277,7 +277,7 @@ class Block:
         found: list[sp.Expr] = []
         for relation in self.acting_relations:
             expression = relation.expression if relation.indicator is None else relation.indicator
-            if expression.free_symbols - fixed and not {expression, -expression} & set(found):
+            if symbols_in(expression) - fixed and not {expression, -expression} & set(found):
                 found.append(expression)
         return tuple(found)
 

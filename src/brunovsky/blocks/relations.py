@@ -8,7 +8,7 @@ expression is that of the frozen branch.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from functools import reduce
+from functools import lru_cache, reduce
 from graphlib import CycleError, TopologicalSorter
 
 import sympy as sp
@@ -36,24 +36,32 @@ _REFUSED = (
 _NOT_NUMBERS = (sp.nan, sp.zoo, sp.I)
 
 
+@lru_cache(maxsize=65536)
+def symbols_in(expression: sp.Basic) -> frozenset[sp.Symbol]:
+    """Symbols of an expression of a block; shared parts are gone through once, unlike by SymPy's ``free_symbols``."""
+    if isinstance(expression, sp.Symbol):
+        return frozenset({expression})
+    return frozenset().union(*map(symbols_in, expression.args))
+
+
 def root_symbols(expression: sp.Basic, relations: Iterable[Relation]) -> frozenset[sp.Symbol]:
     """Symbols an expression is made of, relations replaced by what they are evaluated from."""
     behind = {one.symbol: one.expression for one in relations}
     found: set[sp.Symbol] = set()
-    pending = set(expression.free_symbols)
+    pending = set(symbols_in(expression))
     while pending:
         one = pending.pop()
         if one not in found and one in behind:
-            pending |= behind[one].free_symbols
+            pending |= symbols_in(behind[one])
         found.add(one)
     return frozenset(found - set(behind))
 
 
 def reached_relations(expressions: Iterable[sp.Basic], relations: Sequence[Relation]) -> frozenset[sp.Symbol]:
     """Symbols of the relations that expressions read, themselves or through other relations."""
-    behind = {one.symbol: one.expression.free_symbols for one in relations}
+    behind = {one.symbol: symbols_in(one.expression) for one in relations}
     found: set[sp.Symbol] = set()
-    pending = set().union(*(one.free_symbols for one in expressions)) & behind.keys()
+    pending = set().union(*map(symbols_in, expressions)) & behind.keys()
     while pending:
         one = pending.pop()
         found.add(one)
@@ -70,7 +78,7 @@ def ordered_relations(relations: Sequence[Relation], where: str) -> list[Relatio
         If they depend on each other; the message names the cycle.
     """
     known = {one.symbol: one for one in relations}
-    graph = {one.symbol: [other for other in known if other in one.expression.free_symbols] for one in relations}
+    graph = {one.symbol: [other for other in known if other in symbols_in(one.expression)] for one in relations}
     try:
         return [known[one] for one in TopologicalSorter(graph).static_order()]
     except CycleError as error:

@@ -46,9 +46,10 @@ def chatter_markdown(analysis: Analysis) -> str:
         "",
         study.description,
         "",
-        f"Written from the {len(rows)} points of the chatter tables of `{study.name}.toml` by `docs/refresh_paper.py`. "
-        "Amplitudes are half of peak to peak of the sliding variable S, of one chain at a set point. In the tables A "
-        "is an amplitude in m/s² and ω a frequency in rad/s; a prediction is followed by its error against simulation.",
+        f"Written from the {len(rows)} points of the chatter tables of `{study.name}.toml` by "
+        "`docs/refresh_reports.py`. Amplitudes are half of peak to peak of the sliding variable S, of one chain at a "
+        "set point. In the tables A is an amplitude in m/s² and ω a frequency in rad/s; a prediction is followed by "
+        "its error against simulation.",
         "",
         "## How good the predictions are",
         "",

@@ -166,9 +166,9 @@ FURTHER_METRICS = tuple(
             "smallest |η₁| while moving",
             "m/s",
             "Smallest magnitude of the forward velocity while there is somewhere to go: over the whole run if the "
-            "reference moves by more than 1 cm, otherwise until the settling time. It tells a passage near the "
-            "singularity from rest at the goal.",
-            "min |η₁(t)|, t ≤ T or t ≤ settling time",
+            "reference moves by more than 1 cm, otherwise until the settling time; 0 if the velocity changes its "
+            "sign meanwhile, between whatever steps. It tells a passage near the singularity from rest at the goal.",
+            "min |η₁(t)|, t ≤ T or t ≤ settling time; 0 where η₁ changes sign",
         ),
         (
             "peak_forward_acceleration",
@@ -204,10 +204,9 @@ FURTHER_METRICS = tuple(
             "reaching time",
             "s",
             "Last recorded instant at which the larger of |S₁| and |S₂| exceeds the band, so that both stay in it from "
-            "then on; the band is the law's own boundary layer φ, or 0.01 m/s² where that is less. 0 if never, "
-            "undefined if they still exceed it at the end or S was not recorded. Laws with other layers have other "
-            "bands.",
-            "max{t_k : max(|S₁|, |S₂|) > max(φ, 0.01 m/s²)}",
+            "then on. The band is one for all laws that are compared: the widest boundary layer φ among them, at least "
+            "0.01 m/s². 0 if never, undefined if they still exceed it at the end or S was not recorded.",
+            "max{t_k : max(|S₁|, |S₂|) > max(φ of all laws, 0.01 m/s²)}",
         ),
         (
             "sliding_band",

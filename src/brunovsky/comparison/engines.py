@@ -8,35 +8,23 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
 import xarray as xr
 
-from brunovsky.blocks import Block
 from brunovsky.blocks.engine import step_count
+from brunovsky.comparison.opened import RECORDED, OpenedFmu, check_variables, open_fmu, recorded, release
 from brunovsky.comparison.study import Loop, PlannedRun
 from brunovsky.comparison.study.signals import Array
 from brunovsky.errors import SimulationError
 from brunovsky.native import simulate
 
-RECORDED = (
-    *("x", "y", "theta", "eta[1]", "eta[2]", "u[1]", "u[2]", "singular"),
-    *("position_error[1]", "position_error[2]", "e1[1]", "e1[2]", "e2[1]", "e2[2]", "S[1]", "S[2]", "v[1]", "v[2]"),
-)  # of a loop, what it has of them
-
-
 COMPUTED = ("e1[1]", "e1[2]", "e2[1]", "e2[2]", "S[1]", "S[2]", "v[1]", "v[2]")
-"""Of these, what the law computes from measurements, as it does at its samples."""
-
-
-def recorded(block: Block) -> list[str]:
-    """What is recorded of a loop."""
-    there = {one.name for one in block.outputs}
-    return [name for name in RECORDED if name in there]
+"""What a law computes from measurements, as it does at its samples."""
 
 
 @dataclass(frozen=True)
@@ -111,23 +99,6 @@ class NativeSimulation:
 
 
 @dataclass(frozen=True)
-class OpenedFmu:
-    """An FMU that is unpacked for several runs.
-
-    Attributes
-    ----------
-    path, folder : Path
-        The FMU, and where it is unpacked.
-    description : object
-        fmpy's model description of it.
-    """
-
-    path: Path
-    folder: Path
-    description: Any = field(repr=False)
-
-
-@dataclass(frozen=True)
 class FmuSimulation:
     """FMUs of the planned loops, driven by fmpy in co-simulation at the step size of the study.
 
@@ -135,9 +106,12 @@ class FmuSimulation:
     ----------
     fmus : mapping of Loop to OpenedFmu
         See :func:`opened_fmus`.
+    own : bool
+        Whether they are the user's own, which may lack what the study leaves at its default.
     """
 
     fmus: Mapping[Loop, OpenedFmu]
+    own: bool = False
     name: str = "fmpy"
 
     def run(self, planned: PlannedRun) -> Outcome:
@@ -146,7 +120,8 @@ class FmuSimulation:
         from fmpy.fmi1 import FMICallException
 
         fmu = self.fmus[planned.loop]
-        names = [one.name for one in fmu.description.modelVariables if one.name in RECORDED]
+        names = [name for name in fmu.variables if name in RECORDED]
+        starts = {**planned.parameters, "step_size": planned.step_size}
         log: list[str] = []
         recorders: list[Any] = []
 
@@ -155,7 +130,7 @@ class FmuSimulation:
                 recorders.append(recorder)
             return True
 
-        instance = _instance(fmu, log)
+        instance = fmu.instance(log)
         try:
             rows = fmpy.simulate_fmu(
                 str(fmu.folder),
@@ -163,8 +138,8 @@ class FmuSimulation:
                 stop_time=planned.duration,
                 step_size=planned.step_size,
                 output_interval=planned.duration / step_count(planned.duration, planned.step_size),
-                start_values={**planned.parameters, "step_size": planned.step_size},
-                input=_inputs(planned),
+                start_values={name: starts[name] for name in starts if not self.own or name in fmu.parameters},
+                input=_inputs(planned, fmu.variables),
                 output=names,
                 model_description=fmu.description,
                 fmu_instance=instance,
@@ -172,21 +147,17 @@ class FmuSimulation:
             )
         except FMICallException as error:
             partial = recorders[0].result() if recorders else None
-            trajectory = _dataset(fmu.description, names, partial)
-            begin = float(trajectory["time"][-1]) if trajectory.sizes["time"] else 0.0
-            text = " ".join(log) or str(error)
-            return Outcome(trajectory, Status("singular" if "singular" in text else "diverged", begin, text))
+            return failed(_dataset(fmu, names, partial), " ".join(log) or str(error))
         finally:
-            with contextlib.suppress(Exception):  # some statuses forbid it
-                instance.freeInstance()
-        return Outcome(_dataset(fmu.description, names, rows), Status())
+            release(instance)
+        return Outcome(_dataset(fmu, names, rows), Status())
 
     def provenance(self) -> dict[str, Any]:
         """Name of the engine and of the FMUs, with their hashes and the version of FMI and fmpy."""
         import fmpy
 
         first = next(iter(self.fmus.values())).description
-        hashes = {one.path.name: hashlib.sha256(one.path.read_bytes()).hexdigest() for one in self.fmus.values()}
+        hashes = hashes_of(one.path for one in self.fmus.values())
         return {
             "engine": self.name,
             "fmpy": fmpy.__version__,
@@ -198,17 +169,22 @@ class FmuSimulation:
 
 
 @contextlib.contextmanager
-def opened_fmus(paths: Mapping[Loop, Path]) -> Iterator[FmuSimulation]:
-    """Unpack the FMUs of loops for several runs, and clean up afterwards."""
-    import fmpy
-
+def opened_fmus(paths: Mapping[Loop, Path], *, checked_for: Sequence[PlannedRun] = ()) -> Iterator[FmuSimulation]:
+    """Unpack the FMUs of loops for several runs, and clean up; those of the user are checked for the runs."""
     with tempfile.TemporaryDirectory() as folder:
-        opened = {}
-        for loop, path in paths.items():
-            target = Path(folder) / path.stem
-            fmpy.extract(str(path), unzipdir=str(target))
-            opened[loop] = OpenedFmu(path, target, fmpy.read_model_description(str(target)))
-        yield FmuSimulation(opened)
+        files = {path: open_fmu(path, Path(folder, str(k))) for k, path in enumerate(dict.fromkeys(paths.values()))}
+        for planned in checked_for:
+            path = paths[planned.loop]
+            fmu = files[path]
+            inputs = {name for name, one in fmu.variables.items() if one.causality == "input" and one.type == "Real"}
+            outputs = {name for name, one in fmu.variables.items() if one.type in ("Real", "Boolean")}
+            check_variables(str(path), planned, fmu.parameters, inputs, outputs)
+        yield FmuSimulation({loop: files[path] for loop, path in paths.items()}, own=bool(checked_for))
+
+
+def hashes_of(paths: Iterable[Path]) -> dict[str, str]:
+    """SHA-256 of files by name."""
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
 
 
 def instants_of(planned: PlannedRun) -> Array:
@@ -216,28 +192,12 @@ def instants_of(planned: PlannedRun) -> Array:
     return np.linspace(0.0, planned.duration, step_count(planned.duration, planned.step_size) + 1)
 
 
-def _instance(fmu: OpenedFmu, log: list[str]) -> Any:
-    """Instance whose messages go to the log."""
-    from fmpy.fmi2 import FMU2Slave
-
-    from brunovsky.fmi.callbacks import logging_callbacks
-
-    instance = FMU2Slave(
-        guid=fmu.description.guid,
-        modelIdentifier=fmu.description.coSimulation.modelIdentifier,
-        unzipDirectory=str(fmu.folder),
-        instanceName=fmu.description.modelName,
-    )
-    instance.instantiate(callbacks=logging_callbacks(lambda _category, message: log.append(message)))
-    return instance
-
-
-def _inputs(planned: PlannedRun) -> Any:
+def _inputs(planned: PlannedRun, known: Collection[str]) -> Any:
     """Inputs as fmpy wants them; None where there are none, one row where all are constant."""
     if planned.is_undisturbed:
         return None
     times = np.zeros(1) if planned.is_constant else instants_of(planned)
-    series = planned.series(times)
+    series = {name: values for name, values in planned.series(times).items() if name in known}
     table = np.empty(len(times), dtype=[("time", np.float64), *((name, np.float64) for name in series)])
     table["time"] = times
     for name, values in series.items():
@@ -245,17 +205,25 @@ def _inputs(planned: PlannedRun) -> Any:
     return table
 
 
-def _dataset(description: Any, names: Sequence[str], rows: Any) -> xr.Dataset:
+def _dataset(fmu: OpenedFmu, names: Sequence[str], rows: Any) -> xr.Dataset:
     """Recorded rows of fmpy as a Dataset of the same form as the native simulation's."""
-    variables = {one.name: one for one in description.modelVariables}
-    data = {}
-    for name in names:
-        column = rows[name] if rows is not None else np.empty(0)
-        one = variables[name]
-        unit = one.unit or "1"
-        data[name] = ("time", np.asarray(column), {"units": unit, "long_name": one.description or ""})
-    times = np.asarray(rows["time"]) if rows is not None else np.empty(0)
+    columns = {name: np.asarray(rows[name]) if rows is not None else np.empty(0) for name in names}
+    about = {name: (fmu.variables[name].unit or "1", fmu.variables[name].description or "") for name in names}
+    return labelled(np.asarray(rows["time"]) if rows is not None else np.empty(0), columns, about)
+
+
+def labelled(times: Array, columns: Mapping[str, Any], about: Mapping[str, tuple[str, str]]) -> xr.Dataset:
+    """Columns over time (s) as a Dataset of the native simulation's form; ``about`` has units and descriptions."""
+    data = {
+        name: ("time", one, {"units": about[name][0], "long_name": about[name][1]}) for name, one in columns.items()
+    }
     return xr.Dataset(data, coords={"time": ("time", times, {"units": "s"})})
+
+
+def failed(trajectory: xr.Dataset, text: str) -> Outcome:
+    """Outcome of a run that an FMU ended, with what it logged: singular where that says so."""
+    begin = float(trajectory["time"][-1]) if trajectory.sizes["time"] else 0.0
+    return Outcome(trajectory, Status("singular" if "singular" in text else "diverged", begin, text))
 
 
 def check_outcome(outcome: Outcome, planned: PlannedRun) -> Outcome:

@@ -32,7 +32,7 @@ def plant_equations() -> list[Equation]:
     """State equations of the robot."""
     system = robot_system()
     return [
-        Equation(derivative(state), rf"\dot{{{sp.latex(state)}}}", slope)
+        Equation(derivative(state), _dotted(state), slope)
         for state, slope in zip(system.states, system.dynamics, strict=True)
     ]
 
@@ -62,6 +62,11 @@ def as_svg(one: Equation) -> str:
     key = "equation-" + "".join(letter if letter.isalnum() else "-" for letter in one.latex)
     drawn = drawing.svg(figure, key, title=f"{one.latex} = {sp.latex(one.right)}")
     return drawn.replace("<svg", f'<svg style="vertical-align: -{depth:.2f}pt"', 1)
+
+
+def _dotted(state: sp.Symbol) -> str:
+    base, _, index = sp.latex(state).partition("_")
+    return rf"\dot{{{base}}}" + (f"_{index}" if index else "")
 
 
 def _mathtext(latex: str) -> str:

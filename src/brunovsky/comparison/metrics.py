@@ -44,7 +44,7 @@ class Metrics:
         Sums of absolute changes from one internal step to the next (m/s2, rad/s2).
     min_speed_moving : float or None
         Smallest abs(eta1) while there is somewhere to go (m/s): all along if the reference moves by more than 1 cm,
-        otherwise until the settling time.
+        otherwise until the settling time; 0 if eta1 changes its sign meanwhile.
     peak_forward_acceleration : float
         Largest abs(u1) (m/s2).
     rms_u1, rms_u2 : float
@@ -52,8 +52,8 @@ class Metrics:
     effort_v : float or None
         Integral of v1^2 + v2^2 (m2/s5).
     reaching_time : float or None
-        Last time max(abs(S1), abs(S2)) exceeds the boundary layer, at least 0.01 m/s2 (s); 0 if it never does, None if
-        it still does at the end.
+        Last time max(abs(S1), abs(S2)) exceeds the band about zero (s); 0 if it never does, None if it still does at
+        the end.
     sliding_band : float or None
         Largest abs(S1), abs(S2) in the last quarter (m/s2).
     chatter_frequency, chatter_amplitude : float or None
@@ -95,7 +95,7 @@ class Metrics:
         return asdict(self)
 
 
-def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None) -> Metrics:
+def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None, band: float | None = None) -> Metrics:
     """Metrics of a complete trajectory.
 
     Parameters
@@ -107,15 +107,21 @@ def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None) -> Me
     layer : float, optional
         Half-width phi of the boundary layer (m/s2), 0 for a relay; None for a law that does not switch, which can't
         chatter.
+    band : float, optional
+        Within which S counts as reached (m/s2): one for all laws that are compared; by default the layer, at least
+        0.01 m/s2.
     """
+    if band is None:
+        band = max(layer or 0.0, REACHED)
     with np.errstate(over="ignore", invalid="ignore"):
-        found = _of_motion(trajectory) | _of_jerk(trajectory) | _of_switching(trajectory, layer)
+        found = _of_motion(trajectory) | _of_jerk(trajectory) | _of_switching(trajectory, layer, band)
     return Metrics(**{name: _finite(value) for name, value in found.items()})
 
 
 def _of_motion(trajectory: xr.Dataset) -> dict[str, float | None]:
     time, error = instants(trajectory), position_error(trajectory)
-    speed = np.abs(values(trajectory, "eta[1]"))
+    velocity = values(trajectory, "eta[1]")
+    speed = np.abs(velocity)
     u1, u2 = values(trajectory, "u[1]"), values(trajectory, "u[2]")
     settled = settling_time(time, error)
     return {
@@ -132,20 +138,22 @@ def _of_motion(trajectory: xr.Dataset) -> dict[str, float | None]:
         "effort_u2": integral(time, u2**2),
         "total_variation_u1": total_variation(u1),
         "total_variation_u2": total_variation(u2),
-        "min_speed_moving": _min_speed_moving(trajectory, time, speed, settled),
+        "min_speed_moving": _min_speed_moving(trajectory, time, velocity, settled),
         "peak_forward_acceleration": float(np.max(np.abs(u1))),
         "rms_u1": rms_over_time(time, u1),
         "rms_u2": rms_over_time(time, u2),
     }
 
 
-def _min_speed_moving(trajectory: xr.Dataset, time: Array, speed: Array, settled: float | None) -> float | None:
+def _min_speed_moving(trajectory: xr.Dataset, time: Array, velocity: Array, settled: float | None) -> float | None:
     if "x" not in trajectory or "y" not in trajectory:
         return None
     pairs = zip(("x", "y"), error_names(trajectory), strict=True)
     extents = [np.ptp(values(trajectory, own) - values(trajectory, off)) for own, off in pairs]
     moves = max(extents) > SETTLED
-    return float(np.min(speed if moves or settled is None else speed[time <= settled]))
+    moving = velocity if moves or settled is None else velocity[time <= settled]
+    reverses = np.min(moving) < 0.0 < np.max(moving)
+    return 0.0 if reverses else float(np.min(np.abs(moving)))
 
 
 def _of_jerk(trajectory: xr.Dataset) -> dict[str, float | None]:
@@ -155,14 +163,14 @@ def _of_jerk(trajectory: xr.Dataset) -> dict[str, float | None]:
     return {"effort_v": integral(instants(trajectory), squares)}
 
 
-def _of_switching(trajectory: xr.Dataset, layer: float | None) -> dict[str, float | None]:
+def _of_switching(trajectory: xr.Dataset, layer: float | None, band: float) -> dict[str, float | None]:
     if "S[1]" not in trajectory or "S[2]" not in trajectory:
         return {}
     time, last = instants(trajectory), tail(instants(trajectory))
     surfaces = [values(trajectory, "S[1]"), values(trajectory, "S[2]")]
     largest = np.max(np.abs(surfaces), axis=0)
     found = {
-        "reaching_time": settling_time(time, largest, max(layer or 0.0, REACHED)),
+        "reaching_time": settling_time(time, largest, band),
         "sliding_band": float(np.max(largest[last])),
     }
     if layer is None:

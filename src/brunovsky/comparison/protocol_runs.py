@@ -11,7 +11,8 @@ import xarray as xr
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.analysis import resting_poses
-from brunovsky.comparison.agreement import Agreement, cross_check
+from brunovsky.comparison.agreement import Agreement
+from brunovsky.comparison.cross_check import agreement_with
 from brunovsky.comparison.engines import Engine, NativeSimulation, check_outcome
 from brunovsky.comparison.margin_runs import run_margins
 from brunovsky.comparison.metrics import compute_metrics
@@ -113,10 +114,10 @@ class _Trials:
         outcome = check_outcome(self.engine.run(planned), planned)
         self.count += 1
         if self.engine is not self.native and self.count & (self.count - 1) == 0:  # the 1st, 2nd, 4th, 8th, ...
-            self.agreement.append(cross_check(planned, outcome, check_outcome(self.native.run(planned), planned)))
+            self.agreement.append(agreement_with(self.native, planned, self.engine, outcome))
         if outcome.status.state != "ok":
             return Failure(outcome.status.message, outcome.status.state == "singular")
-        return compute_metrics(outcome.trajectory, layer=planned.layer).as_dict()
+        return compute_metrics(outcome.trajectory, layer=planned.layer, band=planned.band).as_dict()
 
     def drawn(self) -> dict[str, tuple[float, ...]]:
         """Poses by key, a value for each case."""

@@ -35,14 +35,22 @@ _FIGURES: Mapping[type, Callable[..., Figure]] = {
 }
 
 
-def protocol_sections(comparison: Comparison) -> tuple[ProtocolSection, ...]:
-    """Sections of a report for the protocols of a study, in its order."""
+def protocol_sections(comparison: Comparison, *, drawn: bool = True) -> tuple[ProtocolSection, ...]:
+    """Sections of a report for the protocols of a study, in its order.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        From :func:`run_study`.
+    drawn : bool
+        Whether they have figures.
+    """
     titles = {law.name: law.title or law.name for law in comparison.study.laws}
     found: list[ProtocolSection] = []
     for index, one in enumerate(comparison.protocols, 1):
         scenario = comparison.study.scenario(one.table.scenario)
-        found.append(_section(one, index, scenario.title, titles))
-        if one.worst:
+        found.append(_section(one, index, scenario.title, titles, drawn))
+        if one.worst and drawn:
             found.append(_worst_section(one, index, titles))
     chatter = chatter_section(comparison)
     return tuple(found) if chatter is None else (chatter, *found)
@@ -84,16 +92,18 @@ def _trial_rows(one: ProtocolRun) -> list[dict[str, Any]]:
     return [{**row, **{key: values[int(row.get("case", 0))] for key, values in drawn.items()}} for row in one.result.rows()]
 
 
-def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, str]) -> ProtocolSection:
+def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, str], drawn: bool) -> ProtocolSection:
     result, explanation = one.result, one.result.explanation
     key = f"protocol-{index}"
-    figure = _FIGURES[type(result)](result, titles)
+    if drawn:
+        with drawing.settings():
+            picture = drawing.svg(_FIGURES[type(result)](result, titles), key)
     rows = result.summary_rows() if isinstance(result, MonteCarlo) else result.rows()
     findings = tuple(result.findings())
     return ProtocolSection(
         title=f"{explanation.title}: {scenario}",
         explanation=f"{explanation.holds_equal} What it cannot say: {explanation.cannot_say}",
-        figure_svg=drawing.svg(figure, key),
+        figure_svg=picture if drawn else "",
         table=table_of(key, rows, f"{explanation.title}, “{scenario}”"),
         findings=(*findings, *_agreement(one)),
         caption=f"{explanation.title}, “{scenario}”.",
@@ -122,13 +132,15 @@ def _worst_section(one: ProtocolRun, index: int, titles: Mapping[str, str]) -> P
         by_law.setdefault(path.law, []).append(path)
     rows = [{"law": path.law, "case": path.case, metric: path.value} for path in one.worst]
     most = max(map(len, by_law.values()))
+    with drawing.settings():
+        picture = drawing.svg(worst_paths_figure(by_law, titles), key)
     return ProtocolSection(
         title=f"The worst {most} cases of each law",
         explanation=(
-            f"Cases in which {metric.replace('_', ' ')} is largest or undefined, as paths; failed runs come first. They "
-            "show what goes wrong, not how often."
+            f"Cases in which {metric.replace('_', ' ')} is largest or undefined, as paths; failed runs come first. "
+            "They show what goes wrong, not how often."
         ),
-        figure_svg=drawing.svg(worst_paths_figure(by_law, titles), key),
+        figure_svg=picture,
         table=table_of(key, rows, "The cases drawn"),
         caption=f"Paths of the worst cases by {metric.replace('_', ' ')}; a circle is the start, a cross the end.",
     )

@@ -15,15 +15,28 @@ from typing import Any
 import xarray as xr
 
 from brunovsky._frozen import FrozenMapping
-from brunovsky.comparison.agreement import Agreement, cross_check
-from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, Status, check_outcome, opened_fmus
+from brunovsky.comparison.agreement import Agreement
+from brunovsky.comparison.cross_check import agreement_with
+from brunovsky.comparison.engines import (
+    Engine,
+    NativeSimulation,
+    Outcome,
+    Status,
+    check_outcome,
+    opened_fmus,
+)
 from brunovsky.comparison.facts import Facts, compute_facts
 from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.protocol_runs import ProtocolRun, run_protocol
 from brunovsky.comparison.protocols import step_sensitive_metrics
+from brunovsky.comparison.ssp_engine import opened_ssps
 from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
+from brunovsky.comparison.study.communication import check_communication
+from brunovsky.errors import StudyError
 
 Progress = Callable[[int, int, str], None]
+_FOLDERS = {"fmpy": "fmus", "ssp": "ssps"}
+_SUFFIXES = {"fmpy": ".fmu", "ssp": ".ssp"}
 _PACKAGES = ("brunovsky", "numpy", "sympy", "control", "xarray", "matplotlib")
 
 
@@ -127,10 +140,11 @@ def run_study(
     ----------
     study : Study
         From :func:`load_study`.
-    engine : {"fmpy", "native"}, optional
-        In place of the study's own choice. With ``"fmpy"`` each run is cross-checked against the native simulation.
+    engine : {"fmpy", "native", "ssp"}, optional
+        In place of the study's own choice. With the other two each run is compared with the native simulation; with
+        ``"ssp"`` it is repeated at half the communication step.
     folder : path, optional
-        Where the FMU is built, in ``fmus/``; by default a temporary folder.
+        Where FMUs are built, in ``fmus/``, or packages, in ``ssps/``; by default a temporary folder.
     fmu : path, optional
         An FMU of the closed loop to use instead of building one.
     progress : function of (done, total, what), optional
@@ -140,12 +154,22 @@ def run_study(
     -------
     Comparison
         A run that failed has its status and the trajectory until then; the others are not affected.
+
+    Raises
+    ------
+    StudyError
+        If a file of the study's own cannot be run or lacks a variable, or its communication step cannot be used.
     """
     report = progress or (lambda done, total, what: None)
     plan = study.plan()
     native = NativeSimulation()
     chosen = engine or study.engine
-    with _engine(chosen, native, plan, folder, fmu, lambda what: report(0, len(plan), what)) as simulator:
+    if chosen == "ssp":
+        try:
+            check_communication(study)
+        except ValueError as error:
+            raise StudyError(f"study '{study.name}': {error}") from None
+    with _engine(chosen, study, native, plan, folder, fmu, lambda what: report(0, len(plan), what)) as simulator:
         runs = []
         for index, planned in enumerate(plan):
             report(index, len(plan), planned.name)
@@ -176,7 +200,7 @@ def _protocols(
 
 def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
     outcome = check_outcome(engine.run(planned), planned)
-    agreement = None if engine is native else cross_check(planned, outcome, check_outcome(native.run(planned), planned))
+    agreement = None if engine is native else agreement_with(native, planned, engine, outcome)
     metrics, facts = _measured(planned, outcome)
     half = _half_step(planned, native) if facts is not None else None
     return Run(planned, outcome.trajectory, outcome.status, metrics, agreement, facts, half)
@@ -190,12 +214,14 @@ def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:
 def _measured(planned: PlannedRun, outcome: Outcome) -> tuple[Metrics, Facts | None]:
     if outcome.status.state != "ok":
         return Metrics(), None
-    return compute_metrics(outcome.trajectory, layer=planned.layer), compute_facts(outcome.trajectory)
+    metrics = compute_metrics(outcome.trajectory, layer=planned.layer, band=planned.band)
+    return metrics, compute_facts(outcome.trajectory)
 
 
 @contextlib.contextmanager
 def _engine(
     name: EngineName,
+    study: Study,
     native: NativeSimulation,
     plan: Sequence[PlannedRun],
     folder: str | Path | None,
@@ -206,27 +232,37 @@ def _engine(
         yield native
         return
     loops = dict.fromkeys(one.loop for one in plan)
+    own = study.own_file(name)
+    given = fmu if name == "fmpy" and fmu is not None else own
+    checked_for = plan if own is not None and given is own else ()
     with contextlib.ExitStack() as stack:
-        if fmu is None:
+        if given is None:
             target = Path(folder) if folder is not None else Path(stack.enter_context(tempfile.TemporaryDirectory()))
-            paths = _built(loops, target / "fmus", building)
+            paths = _built(loops, target / _FOLDERS[name], _SUFFIXES[name], building)
         else:
-            paths = dict.fromkeys(loops, Path(fmu))
-        yield stack.enter_context(opened_fmus(paths))
+            paths = dict.fromkeys(loops, Path(given))
+        if name == "ssp":
+            step, scheme = study.communication_step, study.scheme
+            yield stack.enter_context(opened_ssps(paths, step, scheme, checked_for=checked_for))
+        else:
+            yield stack.enter_context(opened_fmus(paths, checked_for=checked_for))
 
 
-def _built(loops: Iterable[Loop], folder: Path, building: Callable[[str], None]) -> dict[Loop, Path]:
-    """FMUs of loops; a name that several have is numbered."""
-    from brunovsky.fmi import export_fmu
+def _built(loops: Iterable[Loop], folder: Path, suffix: str, building: Callable[[str], None]) -> dict[Loop, Path]:
+    """FMUs or packages of loops; a name that several have is numbered."""
+    from brunovsky.fmi import export_fmu, export_ssp
 
     folder.mkdir(parents=True, exist_ok=True)
     paths: dict[Loop, Path] = {}
     for loop in loops:
         stem = loop.block.name if loop.controller == "sliding_mode" else f"{loop.block.name}_{loop.controller}"
         same = sum(path.stem.startswith(stem) for path in paths.values())
-        paths[loop] = folder / f"{stem}{f'_{same + 1}' if same else ''}.fmu"
+        paths[loop] = folder / f"{stem}{f'_{same + 1}' if same else ''}{suffix}"
         building(f"building {paths[loop].stem}")
-        export_fmu(loop.block, paths[loop], fmi_version=2, platforms=("host",))
+        if suffix == ".ssp":
+            export_ssp(loop.block, paths[loop])
+        else:
+            export_fmu(loop.block, paths[loop], fmi_version=2, platforms=("host",))
     return paths
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from brunovsky.comparison.claims import claims
+from brunovsky.comparison.claims import claims, examined
 from brunovsky.comparison.facts import CONVERGED
 from brunovsky.comparison.findings import scenario_findings
+from brunovsky.comparison.protocol_sections import protocol_sections
+from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import MARK
 from brunovsky.comparison.tables import conditions, footnote, metric_rows
@@ -13,7 +15,7 @@ _KEPT = ("settling time", "RMS position error", "largest", "smallest", "total va
 
 
 def summary_markdown(comparison: Comparison) -> str:
-    """What a comparison found: claims, and for each scenario its paragraphs and main metrics.
+    """What a comparison found: verdict, claims, protocols, and for each scenario its paragraphs and main metrics.
 
     Without dates and versions, so that it changes only where the findings do.
     """
@@ -29,10 +31,14 @@ def summary_markdown(comparison: Comparison) -> str:
         f"All numbers are those of this step. Each run was repeated natively at half of it; a number marked "
         f"{MARK.strip()} changes by more than {100 * CONVERGED:g} %.",
     ]
-    found = claims(comparison)
-    if found:
+    found, protocols = claims(comparison), protocol_sections(comparison, drawn=False)
+    lines += ["", "## Verdict", "", *(f"- {one}" for one in verdict(comparison, found, protocols))]
+    told = examined(found)
+    if told:
         lines += ["", "## What the paper claims, and what these runs show", ""]
-        lines += [f"- {claim.quote}: **{claim.verdict}**. {claim.shown}" for claim in found]
+        lines += [f"- {claim.quote}: **{claim.verdict}**. {claim.shown}" for claim in told]
+    for section in protocols:
+        lines += ["", f"## {section.title}", "", section.explanation, "", *(f"- {one}" for one in section.findings)]
     for scenario in study.scenarios:
         pairs = comparison.laws_of(scenario)
         figure = f"Figure {scenario.figure}: " if scenario.figure else ""

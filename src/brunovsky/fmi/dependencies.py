@@ -13,6 +13,7 @@ from functools import lru_cache
 import sympy as sp
 
 from brunovsky.blocks import Block, Sample, State, Variable
+from brunovsky.blocks.relations import symbols_in
 from brunovsky.native.jacobian import SparseMatrix, columns, differentiated, jacobian
 
 Factors = dict[sp.Symbol, sp.Expr]
@@ -48,7 +49,7 @@ def _factors(known: Mapping[sp.Basic, Factors], expression: sp.Basic, symbols: C
         return known[expression]
     if not isinstance(expression, sp.Expr):
         return {}
-    return {one: sp.diff(expression, one) for one in expression.free_symbols & set(symbols)}
+    return {one: sp.diff(expression, one) for one in symbols_in(expression) & set(symbols)}
 
 
 class RunningDependencies:
@@ -75,7 +76,7 @@ class RunningDependencies:
     def __call__(self, expression: sp.Basic) -> Kinds:
         """Kind of each known that an expression depends on."""
         factors = _factors(self._factors, expression, self._knowns)
-        relations = expression.free_symbols & self._behind.keys()
+        relations = symbols_in(expression) & self._behind.keys()
         deciding = {one: {r for r in relations if one in self._behind[r]} for one in self._knowns}
         return {
             one: self._kind(expression, one, factors.get(one, sp.S.Zero), deciding[one])
@@ -84,13 +85,13 @@ class RunningDependencies:
         }
 
     def _kind(self, expression: sp.Basic, known: sp.Symbol, factor: sp.Expr, deciding: Collection[sp.Symbol]) -> str:
-        inside = factor.free_symbols
+        inside = symbols_in(factor)
         kind = next((name for name, symbols in self._levels.items() if inside <= symbols), "dependent")
         if not deciding or kind == "dependent":
             return kind
         # linear in each branch; the branches must not differ where the known is 0
         rest = expression.xreplace({known: sp.S.Zero})
-        return "dependent" if factor == 0 or rest.free_symbols & set(deciding) else kind
+        return "dependent" if factor == 0 or symbols_in(rest) & set(deciding) else kind
 
 
 class InitialDependencies:
@@ -115,7 +116,7 @@ class InitialDependencies:
         self._numbers |= {one.symbol: one.start for one in block.states if one.start.is_number}
         self._numbers = {key: value for key, value in self._numbers.items() if key not in assigned}
         self._roots: dict[sp.Symbol, frozenset[sp.Symbol]] = {one.symbol: frozenset() for one in block.modes}
-        self._roots |= {one.symbol: frozenset(one.start.free_symbols) for one in started}
+        self._roots |= {one.symbol: symbols_in(one.start) for one in started}
         self._kinds: dict[sp.Symbol, Kinds] = {}
         self._kinds |= {one.symbol: self(one.start) for one in started}
         for rank in sorted({one.rank for one in block.samples}):
@@ -131,7 +132,7 @@ class InitialDependencies:
     def __call__(self, expression: sp.Basic) -> Kinds:
         """Kind of each known that an expression depends on."""
         smooth = isinstance(expression, sp.Expr)
-        opaque = expression.free_symbols & self._opaque if smooth else expression.free_symbols
+        opaque = symbols_in(expression) & self._opaque if smooth else symbols_in(expression)
         found: Kinds = {}
         for symbol, factor in _factors(self._factors, expression, columns(self._block)).items():
             number = factor.xreplace(self._numbers)

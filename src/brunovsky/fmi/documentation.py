@@ -21,6 +21,10 @@ h1, h2 { color: #2f6f9f } code { font-size: 90% }
 """
 
 
+LONG = 5000
+"""Parts of an expression from which on its common subexpressions are shown by themselves."""
+
+
 def documentation(block: Block, variables: Sequence[ScalarVariable]) -> bytes:
     """Text of the page.
 
@@ -89,15 +93,29 @@ def _shown(text: str) -> str:
     return f'<div class="equation">{text}</div>'
 
 
+def _shortened(expressions: Sequence[sp.Basic], prefix: str) -> tuple[list[str], list[sp.Basic]]:
+    """Equations of the common subexpressions of long expressions, and the expressions in terms of these."""
+    long = [one for one in expressions if sum(1 for _ in sp.preorder_traversal(one)) > LONG]
+    common, reduced = sp.cse(long, symbols=sp.numbered_symbols(prefix), order="none") if long else ([], [])
+    short = dict(zip(long, reduced, strict=True))
+    lines = [_shown(equation(mathml(name), value)) for name, value in common]
+    return ["<p>With</p>", *lines] if lines else [], [short.get(one, one) for one in expressions]
+
+
 def _equations(block: Block) -> list[str]:
-    lines = [_shown(equation(derivative(one.symbol), one.derivative)) for one in block.states]
+    shown = [one for one in block.outputs if not _is_itself(one)]
+    wanted = [*(one.derivative for one in block.states), *(one.expression for one in shown)]
+    common, expressions = _shortened(wanted, "c_")
+    slopes, values = expressions[: len(block.states)], expressions[len(block.states) :]
+    lines = [_shown(equation(derivative(one.symbol), slope)) for one, slope in zip(block.states, slopes, strict=True)]
     for one in block.samples:
         if one.is_held:
             continue
         when = f"when {escape(one.clock)} ticks" if one.clock else f"every <math>{mathml(one.period)}</math> s"
         update = f'<math displaystyle="true">{mathml(one.symbol)}<mo>&#8592;</mo>{mathml(one.update)}</math>'
         lines.append(_shown(f"{update} {when}"))
-    lines += [_shown(equation(mathml(one.symbol), one.expression)) for one in block.outputs if not _is_itself(one)]
+    lines += [_shown(equation(mathml(one.symbol), value)) for one, value in zip(shown, values, strict=True)]
+    lines += common
     starts = [(one.symbol, one.start) for one in block.states]
     starts += [(one.symbol, one.start) for one in block.samples]
     if starts:
@@ -116,12 +134,14 @@ def _switching(block: Block) -> list[str]:
         for one in block.relations
     ]
     for one in block.transitions:
+        common, values = _shortened([sp.sympify(value) for value in one.assign.values()], "k_")
         assigned = "<mo>,</mo>".join(
-            f"{mathml(symbol)}<mo>&#8592;</mo>{mathml(sp.sympify(value))}" for symbol, value in one.assign.items()
+            f"{mathml(symbol)}<mo>&#8592;</mo>{mathml(value)}" for symbol, value in zip(one.assign, values, strict=True)
         )
         lines.append(
             _shown(f"<code>{escape(one.name)}</code>: where <math>{mathml(one.guard)}</math>, <math>{assigned}</math>")
         )
+        lines += common
     return lines
 
 

@@ -7,6 +7,7 @@ text, which the cache of compiled code and the tokens of FMUs rest on.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
@@ -136,6 +137,7 @@ class BlockText:
         return f"(int)({text})" if target.startswith("m") else text
 
 
+@lru_cache(maxsize=64)
 def model_source(block: Block) -> str:
     """C99 source of a block, to be compiled with the runtime's ``engine.c``.
 

@@ -8,6 +8,7 @@ from scipy.linalg import expm
 
 import brunovsky as br
 from brunovsky import analysis as an
+from brunovsky.analysis.coupling.master import stepping_order
 from brunovsky.analysis.coupling.scheme import shifted
 from brunovsky.errors import ModelError, ParameterError, SimulationError
 
@@ -160,3 +161,19 @@ def test_the_figure_has_a_line_for_each_scheme_and_order() -> None:
 def test_what_cannot_be_coupled_is_refused(system: br.Diagram, call, error, message) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(error, match=message):
         call(system)
+
+
+@pytest.mark.parametrize(
+    ("given", "direct", "order"),
+    [
+        ("abc", [], "abc"),
+        ("cba", [("a", "b"), ("b", "c")], "abc"),
+        ("cba", [("a", "b")], "cab"),
+        ("bac", [("a", "b"), ("b", "a")], "cba"),  # an algebraic loop: as given, last
+        ("ab", [("a", "a"), ("b", "a")], "ba"),
+    ],
+)
+def test_components_step_after_those_that_drive_them_directly(
+    given: str, direct: list[tuple[str, str]], order: str
+) -> None:
+    assert "".join(stepping_order(given, direct)) == order

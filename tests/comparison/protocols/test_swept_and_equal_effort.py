@@ -110,8 +110,8 @@ def test_equal_effort_tells_the_order_of_the_numbers_and_flips_with_them():
         iae = {"layer": 1.0, "relay": 1.0} | {better: 0.5}
         return equal_effort(toy(SLOPES, iae=lambda law, _: iae[law]), LAWS, KNOBS, "rms_u2", 6.0, metrics=["iae"])
 
-    assert "lowest under “relay”, by 50" in told(found("relay"))
-    assert "lowest under “layer”, by 50" in told(found("layer"))
+    assert "lowest under “relay”; under “layer” it is higher by 100" in told(found("relay"))
+    assert "lowest under “layer”; under “relay” it is higher by 100" in told(found("layer"))
     assert [row["status"] for row in found("layer").rows()] == ["tuned", "tuned"]
     assert drawn(equal_effort_figure(found("layer"))).startswith("<svg")
 

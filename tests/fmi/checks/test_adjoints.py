@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 from brunovsky import check_fmu
-from brunovsky.blocks import Block, Input, Output, State, symbols
+from brunovsky.blocks import Block, Input, Mode, Output, State, Transition, symbols
 from brunovsky.fmi import Check, export_fmu
 
 NAME = "adjoint derivatives"
@@ -48,3 +48,20 @@ def test_what_is_not_claimed_or_has_no_counterpart_is_not_failed(edited: Callabl
     assert sorted(one.status for one in adjoints(check_fmu(without).checks).values()) == ["not provided", "passed"]
     alone = edited(fmu, 'providesDirectionalDerivatives="true"', 'providesDirectionalDerivatives="false"')
     assert sorted(one.status for one in adjoints(check_fmu(alone).checks).values()) == ["not run", "passed"]
+
+
+def test_where_the_first_instant_has_an_event_derivatives_are_taken_later(tmp_path: Path) -> None:
+    x, u, begun = symbols("x", "u", "begun")
+    block = Block(
+        "begins",
+        inputs=[Input("u", start=0.3)],
+        modes=[Mode("begun")],
+        states=[State("x", derivative=u - x, start=sp.S.Zero)],
+        outputs=[Output("y", expression=x * u)],
+        transitions=[Transition("begin", sp.Eq(begun, 0), {begun: sp.S.One, x: u})],
+    )
+    report = check_fmu(export_fmu(block, tmp_path / "begins.fmu", 3))
+    assert report.passed, report.failed
+    found = {one.part: one.detail for one in report.checks if "derivatives" in one.name}
+    assert "after 3 steps, as initialisation mode refuses them" in found["CoSimulation"]
+    assert "after" not in found["ModelExchange"]

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.claim import is_regulation
 from brunovsky.comparison.figures.traces import (
     END,
     START,
@@ -17,7 +18,6 @@ from brunovsky.comparison.figures.traces import (
     Drawn,
     add_legend,
     drawable,
-    is_regulation,
     place_handles,
 )
 from brunovsky.comparison.metrics import Array, error_names, values
@@ -30,7 +30,7 @@ _AWAY = 20.0  # a path that diverged is drawn up to so many times its first dist
 def path_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     """Path of one scenario under its laws, on equal scales."""
     laws = drawable(comparison, scenario)
-    figure = drawing.new_figure(6.6, 4.4)
+    figure = drawing.new_figure(6.6, 4.4, left=0.1, right=0.98, bottom=0.11, top=0.88)
     axes = figure.subplots()
     _draw_paths(axes, laws, framed=True)
     regulation = {is_regulation(run) for _, _, run in laws}

@@ -18,7 +18,7 @@ _LINEAR = 0.01  # m/s2; up to it the axis of S is linear
 def phase_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     """(e, e') and (S, S') of both chains, over the whole run; dotted is the reaching law without disturbance."""
     laws = drawable(comparison, scenario)
-    figure = drawing.new_figure(9.4, 5.6)
+    figure = drawing.new_figure(9.4, 5.6, left=0.07, right=0.985, bottom=0.085, top=0.93, hspace=0.32, wspace=0.17)
     grid = figure.subplots(2, 2)
     for axes, k, name in zip(grid[0], (1, 2), "xy", strict=True):
         _draw_portrait(axes, [(index, *_error_plane(run, k)) for index, _, run in laws])

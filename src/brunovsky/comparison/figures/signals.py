@@ -21,13 +21,14 @@ from brunovsky.comparison.metrics import SETTLED, position_error
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.study import Scenario
 
+_ROW = {"left": 0.055, "right": 0.985, "bottom": 0.16, "top": 0.8, "wspace": 0.27}
 _SMALLEST_ERROR = 1e-9  # m; lower end of the error axis
 
 
 def errors_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     """Position error, and the error of each chain."""
     laws, window = drawable(comparison, scenario), transient_window(comparison, scenario)
-    figure = drawing.new_figure(9.4, 2.9)
+    figure = drawing.new_figure(9.4, 2.9, **_ROW)
     distance, *chains = figure.subplots(1, 3)
     _draw_distance(distance, laws, window)
     for axes, name, label in zip(chains, ("e1[1]", "e2[1]"), ("x − x_d, m", "y − y_d, m"), strict=True):
@@ -41,7 +42,7 @@ def errors_figure(comparison: Comparison, scenario: Scenario) -> Figure:
 def inputs_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     """Both inputs of the robot, and the speed that the law divides by."""
     laws, window = drawable(comparison, scenario), transient_window(comparison, scenario)
-    figure = drawing.new_figure(9.4, 2.9)
+    figure = drawing.new_figure(9.4, 2.9, **_ROW)
     u1, u2, speed = figure.subplots(1, 3)
     for axes, name, label in (
         (u1, "u[1]", "forward acceleration u₁, m/s²"),
@@ -61,7 +62,7 @@ def inputs_figure(comparison: Comparison, scenario: Scenario) -> Figure:
 def sliding_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     """Sliding variable of each chain, with the boundary layers."""
     laws, window = drawable(comparison, scenario), transient_window(comparison, scenario)
-    figure = drawing.new_figure(9.4, 2.7)
+    figure = drawing.new_figure(9.4, 2.7, **{**_ROW, "wspace": 0.16})
     found = layers(laws)
     for axes, k in zip(figure.subplots(1, 2), (1, 2), strict=True):
         draw_signal(axes, laws, f"S[{k}]", window)

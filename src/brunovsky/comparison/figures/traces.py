@@ -66,15 +66,11 @@ def layers(laws: Drawn) -> list[float]:
     return [run.planned.parameters["phi"] for _, law, run in laws if law.kind == "saturation"]
 
 
-def is_regulation(run: Run) -> bool:
-    """Whether the reference is a point."""
-    return run.planned.parameters["radius"] == 0.0
-
-
 def add_legend(figure: Figure, laws: Sequence[tuple[int, Law]], more: Sequence[Line2D] = ()) -> None:
     """Legend of the laws, above everything."""
     handles = [Line2D([], [], label=law.title or law.name, **drawing.style(index)) for index, law in laws] + list(more)
-    figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False, columnspacing=1.4)
+    columns = min(len(handles), 4 if figure.get_figwidth() > 9.0 else 3)
+    figure.legend(handles=handles, loc="outside upper center", ncols=columns, frameon=False, columnspacing=1.4)
 
 
 def place_handles(regulation: set[bool]) -> list[Line2D]:

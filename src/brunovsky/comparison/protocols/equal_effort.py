@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from brunovsky.comparison.facts import number, percent
+from brunovsky.comparison.facts import joined, number, percent
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import Evaluate, Trial, check_laws, phrase, unit
 from brunovsky.comparison.protocols.explanation import EQUAL_EFFORT, Explanation
@@ -109,12 +109,25 @@ class EqualEffort:
         ordered = sorted(values.items(), key=lambda one: one[1])
         listed = ", ".join(f"{number(value)} ({law})" for law, value in ordered)
         text = f"At equal effort the {phrase(metric)}{f', {unit(metric)},' if unit(metric) else ''} is {listed}"
-        (least, low), (_, second) = ordered[:2]
-        size = max(abs(low), abs(second))
-        slack = sum(one.slack(self.effort, metric, self.rtol) for one in self.tunings if one.trial is not None)
-        if size == 0.0 or second - low <= max(self.rtol, slack) * size:
-            return f"{text}: the lowest two do not differ by more than what the tolerance of the tuning explains."
-        return f"{text}: in this case lowest under “{least}”, by {percent((second - low) / size)} of the next."
+        (least, low), *others = ordered
+        higher = {law: self._excess(least, law, metric, low, value) for law, value in others}
+        alike = [f"“{law}”" for law, one in higher.items() if one is None]
+        apart = [f"under “{law}” it is higher by {percent(one)}" for law, one in higher.items() if one is not None]
+        if not apart:
+            return f"{text}: the laws do not differ by more than what the tolerance of the tuning explains."
+        lowest = f"{text}: in this case lowest under “{least}”"
+        if alike:
+            verb = "is" if len(alike) == 1 else "are"
+            lowest += f", from which {joined(alike)} {verb} not told apart by the tolerance of the tuning"
+        return f"{lowest}; {joined(apart)}."
+
+    def _excess(self, least: str, law: str, metric: str, low: float, value: float) -> float | None:
+        """By what share a law's metric is above the lowest; None where the tolerance of the tuning explains it."""
+        size = max(abs(low), abs(value))
+        slack = sum(one.slack(self.effort, metric, self.rtol) for one in self.tunings if one.law in (least, law))
+        if size == 0.0 or value - low <= max(self.rtol, slack) * size:
+            return None
+        return (value - low) / abs(low) if low else 1.0
 
 
 def equal_effort(

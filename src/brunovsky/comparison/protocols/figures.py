@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,8 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.facts import power_of_ten
 from brunovsky.comparison.protocols.equal_effort import EqualEffort
 from brunovsky.comparison.protocols.evaluation import Trial, phrase, with_unit
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo
@@ -93,8 +96,7 @@ def pareto_figure(result: Pareto, titles: Titles | None = None) -> Figure:
         small = _marker(index) | {"markersize": 3.5, "alpha": 0.55}
         axes.plot([x for x, _ in points], [y for _, y in points], linestyle="none", **small)
         front = result.fronts[law]
-        steps = _line(index) | {"markersize": 6.5}
-        axes.plot([x for x, _ in front], [y for _, y in front], drawstyle="steps-post", **steps)
+        axes.plot([x for x, _ in front], [y for _, y in front], drawstyle="steps-post", **_line(index))
     if result.reference is not None:
         axes.plot(*([one] for one in result.reference), linestyle="none", marker="x", color="#000000", markersize=8.0)
         axes.annotate("reference point", result.reference, (-6, 6), textcoords="offset points", ha="right")
@@ -154,6 +156,7 @@ def _draw_differences(axes: Axes, result: MonteCarlo, metric: str) -> None:
     axes.axvline(0.0, color="#000000", linewidth=0.8)
     axes.set_yticks(range(len(pairs)), [f"{one.first} − {one.second}" for one in pairs])
     axes.set_ylim(max(len(pairs), 1) - 0.5, -0.5)
+    axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.set_title("paired differences: ● median, ■ mean", loc="left")
 
 
@@ -175,7 +178,13 @@ def _knob(trial: Trial, name: str) -> float:
 
 
 def _line(index: int) -> dict[str, Any]:
-    return drawing.style(index) | {"marker": MARKERS[index % len(MARKERS)], "markersize": 4.5}
+    size = _size(index)
+    return drawing.style(index) | {"marker": MARKERS[index % len(MARKERS)], "markersize": size}
+
+
+def _size(index: int) -> float:
+    """Size of a law's marker: what lies further back is larger, so that coinciding points all show."""
+    return max(3.0, 11.0 - 1.5 * drawing.STYLES[index % len(drawing.STYLES)].order)
 
 
 def _marker(index: int) -> dict[str, Any]:
@@ -185,7 +194,7 @@ def _marker(index: int) -> dict[str, Any]:
         "color": one.color,
         "markeredgecolor": "#000000",
         "markeredgewidth": 0.5,
-        "markersize": 6.5,
+        "markersize": _size(index) + 1.0,
         "zorder": one.order,
     }
 
@@ -210,6 +219,8 @@ def _scale_knob(axes: Axes, values: Sequence[float]) -> None:
         axes.set_xscale("log")
     else:
         axes.set_xscale("symlog", linthresh=min(positive), linscale=0.3)
+        powers = range(math.ceil(math.log10(min(positive))), math.floor(math.log10(max(positive))) + 1)
+        axes.set_xticks([0.0, *(10.0**k for k in powers)], ["0", *(power_of_ten(10.0**k) for k in powers)])
 
 
 def _legend(figure: Figure, laws: Sequence[str], titles: Titles | None) -> None:

@@ -24,7 +24,7 @@ def monte_carlo_findings(study: MonteCarlo) -> list[str]:
         if metric in study.step_sensitive:
             told.append(f"The {phrase(metric)} depends on the step of the simulation: it ranks no law.")
         else:
-            told += [_difference(one) for one in study.differences if one.metric == metric]
+            told += [_difference(study, one) for one in study.differences if one.metric == metric]
     count = sum(one.metric in ranked and one.mean.low is not None for one in study.differences)
     if count > 1:
         told.append(
@@ -73,7 +73,7 @@ def _medians(study: MonteCarlo, metric: str) -> str:
     return f"Median {with_unit(metric)}: {'; '.join(parts)}."
 
 
-def _difference(one: Difference) -> str:
+def _difference(study: MonteCarlo, one: Difference) -> str:
     what, n = phrase(one.metric), one.median.n
     left = f"; {one.median.failures} pair(s) without a value are left out" if one.median.failures else ""
     if n == 0:
@@ -85,7 +85,12 @@ def _difference(one: Difference) -> str:
         f"paired difference “{one.first}” − “{one.second}”: median {interval(one.median)}, mean "
         f"{interval(one.mean)} {unit(one.metric)}".rstrip()
     )
-    if one.lower is None and left and one.mean.excludes(0.0) and one.median.excludes(0.0):
+    if (
+        one.lower is None
+        and one.sign.failures < one.median.failures
+        and one.mean.excludes(0.0)
+        and one.median.excludes(0.0)
+    ):
         return (
             f"By the {what} “{one.first}” and “{one.second}” are not told apart over all cases: where both have it the "
             f"intervals exclude zero ({numbers}), but not with the runs that failed or never got there counted as the "
@@ -94,5 +99,10 @@ def _difference(one: Difference) -> str:
     if one.lower is None:
         return f"By the {what} “{one.first}” and “{one.second}” are not told apart over {n} cases ({numbers}{left})."
     other = one.second if one.lower == one.first else one.first
-    left += "; the order holds with runs that failed alone counted as the worse" if left else ""
+    if one.sign.failures < one.median.failures:
+        left += "; the order holds with runs that failed alone counted as the worse"
+    base = next(two.median.estimate for two in study.summaries if (two.law, two.metric) == (other, one.metric))
+    if base:
+        share = percent(abs((one.median.estimate or 0.0) / base))
+        numbers += f"; the median difference is {share} of the median under “{other}”"
     return f"The {what} is lower under “{one.lower}” than under “{other}” over {n} cases ({numbers}{left})."

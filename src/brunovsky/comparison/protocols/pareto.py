@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from brunovsky._frozen import FrozenMapping
-from brunovsky.comparison.facts import joined, number
+from brunovsky.comparison.facts import joined, number, percent
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.designs import Space, designs
 from brunovsky.comparison.protocols.evaluation import (
@@ -24,6 +24,7 @@ from brunovsky.comparison.protocols.explanation import PARETO, Explanation
 from brunovsky.comparison.protocols.front import Point, dominance_told, hypervolume, nondominated, territories
 from brunovsky.errors import ParameterError
 
+_MOST = 5  # stretches of the combined front that are told one by one
 BEYOND = 1.1  # how far the reference point lies beyond the worst of all fronts, unless it is given
 
 
@@ -161,12 +162,21 @@ class Pareto:
         return f"{number(value)}\u00a0{unit(self.objectives[index])}".rstrip()
 
     def _territories(self, fronts: Mapping[str, list[Point]]) -> str:
-        parts = []
-        for one in territories(fronts):
+        stretches, parts = territories(fronts), []
+        name = self.objectives[0]
+        if len(stretches) > _MOST:
+            total = sum(one.designs for one in stretches)
+            shares = [
+                f"{percent(sum(one.designs for one in stretches if one.law == law) / total)} ({law})" for law in fronts
+            ]
+            return (
+                f"The front of all designs together has {total} designs, {joined(shares)}; along it the laws change "
+                f"{len(stretches) - 1} times, so that none has a stretch to itself."
+            )
+        for one in stretches:
             low, high = number(one.first[0]), number(one.last[0])
             where = f"at {low}" if low == high else f"from {low} to {high}"
             parts.append(f"“{one.law}” {where}")
-        name = self.objectives[0]
         return f"The front of all designs together belongs, in ascending order of {phrase(name)}, to {joined(parts)}."
 
 

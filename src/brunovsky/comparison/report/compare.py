@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from brunovsky.comparison import drawing
 from brunovsky.comparison.output import write_bytes, write_text
 from brunovsky.comparison.protocol_section import ProtocolSection
-from brunovsky.comparison.protocol_sections import protocol_sections, trial_tables
+from brunovsky.comparison.protocol_sections import protocol_data, protocol_sections, trial_tables
 from brunovsky.comparison.report.data import metrics_data
 from brunovsky.comparison.report.files import csv_text, trace_bytes, trace_name
 from brunovsky.comparison.report.page import render, report_content
@@ -26,6 +25,8 @@ class ReportFiles(NamedTuple):
     ----------
     report, metrics : Path
         ``report.html`` and ``metrics.json``.
+    protocols : Path or None
+        ``protocols.json``, where the study has protocols.
     pdf : Path or None
         ``report.pdf``, where it was asked for.
     traces : tuple of Path
@@ -36,6 +37,7 @@ class ReportFiles(NamedTuple):
 
     report: Path
     metrics: Path
+    protocols: Path | None
     pdf: Path | None
     traces: tuple[Path, ...]
     tables: tuple[Path, ...]
@@ -77,9 +79,7 @@ def compare_study(
     comparison = run_study(loaded, engine=engine, folder=folder, progress=progress)
     if progress is not None:
         progress(len(comparison.runs), len(comparison.runs), "drawing the report")
-    with drawing.settings():
-        sections = protocol_sections(comparison)
-    return write_report(comparison, folder, sections=sections, pdf=pdf)
+    return write_report(comparison, folder, sections=protocol_sections(comparison), pdf=pdf)
 
 
 def write_report(
@@ -112,9 +112,11 @@ def write_report(
     printed = pdf_bytes(render(content, "paper")) if pdf else None
     tables = (*content.tables, *trial_tables(comparison))
     traced = [run for run in comparison.runs if run.trajectory.sizes["time"]]
+    protocols = json.dumps(protocol_data(comparison), indent=1, allow_nan=False) + "\n" if comparison.protocols else ""
     written = ReportFiles(
         report=folder / "report.html",
         metrics=folder / "metrics.json",
+        protocols=folder / "protocols.json" if protocols else None,
         pdf=folder / "report.pdf" if printed is not None else None,
         traces=tuple(folder / trace_name(run) for run in traced),
         tables=tuple(folder / "tables" / f"{table.name}.csv" for table in tables),
@@ -128,5 +130,7 @@ def write_report(
     write_text(written.report, page)
     if written.pdf is not None and printed is not None:
         write_bytes(written.pdf, printed)
+    if written.protocols is not None:
+        write_text(written.protocols, protocols)
     write_text(written.metrics, metrics)
     return written

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from brunovsky.comparison.agreement import POSITION_TOLERANCE
+from brunovsky.comparison.agreement import POSITION_TOLERANCE, agreement_text
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocol_section import Cell, Table
-from brunovsky.comparison.protocol_sections import protocol_data
 from brunovsky.comparison.report.files import trace_name
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import step_sensitivity
@@ -40,7 +39,6 @@ def metrics_data(comparison: Comparison) -> dict[str, Any]:
             }
             for run in comparison.runs
         ],
-        "protocols": protocol_data(comparison),
     }
 
 
@@ -53,7 +51,9 @@ def agreement_data(comparison: Comparison) -> dict[str, Any] | None:
     return {
         "max_position_difference": max(positions, default=None),
         "all_agree": all(one.agrees for one in found),
-        "position_tolerance": POSITION_TOLERANCE,
+        "position_tolerance": POSITION_TOLERANCE if found[0].basis == "rounding" else None,
+        "basis": found[0].basis,
+        "text": agreement_text(found, comparison.provenance),
         "runs": [one.as_dict() for one in found],
     }
 

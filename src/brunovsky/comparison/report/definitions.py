@@ -14,5 +14,5 @@ _ENTRY = re.compile(r"^(?P<names>[\w, ]+) : .*\n(?P<text>(?:^ +.*\n?)+)", re.MUL
 def metric_definitions() -> Table:
     """Names and definitions of all metrics, as the code that computes them says."""
     found = _ENTRY.finditer(cleandoc(Metrics.__doc__ or ""))
-    rows = tuple((one["names"], " ".join(one["text"].split())) for one in found)
+    rows = tuple((one["names"], " ".join(one["text"].split()).replace("None if", "not defined if")) for one in found)
     return Table("definitions", ("metric", "definition"), rows)

@@ -6,19 +6,21 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Any, Literal
+from typing import Literal
 
 import jinja2
 from markupsafe import Markup
 
 from brunovsky.comparison import drawing, equations, figures
+from brunovsky.comparison.agreement import engine_text
 from brunovsky.comparison.claim import Claim
 from brunovsky.comparison.claims import claims, examined
 from brunovsky.comparison.facts import CONVERGED, given, joined, number
 from brunovsky.comparison.output import plain
-from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
+from brunovsky.comparison.protocol_section import ProtocolSection, Table
 from brunovsky.comparison.report.data import agreement_data, metrics_table
 from brunovsky.comparison.report.definitions import metric_definitions
+from brunovsky.comparison.report.layout import cell_text, table_layout
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.linear import LinearSection, linear_section
 from brunovsky.comparison.report.overall import overall_table
@@ -122,6 +124,9 @@ def render(content: Content, medium: Medium) -> str:
         guards=joined(sorted({given(run.parameters["eta_min"]) for run in plan})),
         failed=[run for run in comparison.runs if not run.ok],
         agreement=agreement_data(comparison),
+        engine_text=engine_text(
+            comparison.engine, comparison.provenance, [one.agreement for one in comparison.runs if one.agreement]
+        ),
         provenance=provenance,
         resolved=json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False),
         mark=MARK.strip(),
@@ -158,22 +163,10 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"cell": _cell, "described": _described}
-    environment.globals |= {"given": given, "number": number, "is_number": _is_number}
+    environment.filters |= {"cell": cell_text, "layout": table_layout, "described": _described}
+    environment.globals |= {"given": given, "number": number}
     environment.globals["inlined"] = lambda name: Markup(folder.joinpath(name).read_text(encoding="utf-8"))
     return environment
-
-
-def _cell(cell: Cell) -> str:
-    """A cell of a table for people."""
-    if cell is None:
-        return "–"
-    return number(cell) if isinstance(cell, float) else str(cell)
-
-
-def _is_number(cell: Any) -> bool:
-    """Whether a cell is set flush right."""
-    return not isinstance(cell, str) or (cell[:1] in "≈−–0123456789" and len(cell) < 24) or cell == "never"
 
 
 def _described(svg: str, title: str) -> Markup:

@@ -21,10 +21,10 @@ def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[
     """Sentences of the verdict, the weightiest first.
 
     A difference between two runs is told if both numbers and the difference itself are converged with the step; the
-    others are counted and rank no law. Runs that failed come first and are in no comparison.
+    others are counted and rank no law. Runs that failed come first, and are in no comparison.
     """
     groups = _against_pole_placement(comparison)
-    sentences = [_ended(comparison)]
+    sentences: list[str] = []
     for label, pairs in groups:
         sentences += _compared(label, pairs)
     if not groups:
@@ -32,7 +32,10 @@ def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[
             "No scenario has a run under pole placement and one under another law that both reached their end: nothing "
             "is compared."
         )
-    return [*sentences, *_strain(comparison), *_on_claims(claims), *(one.headline for one in sections if one.headline)]
+    sentences += [one.headline for one in sections if one.headline]
+    ended, complete = _ended(comparison), all(run.ok for run in comparison.runs)
+    around = [*_strain(comparison), *_on_claims(claims)]
+    return [*sentences, *around, ended] if complete else [ended, *sentences, *around]
 
 
 def _ended(comparison: Comparison) -> str:
@@ -78,21 +81,22 @@ def _difference(name: str, pairs: list[Pair]) -> str:
     """What happens to one metric; empty where there is nothing to compare."""
     if not pairs:
         return ""
-    what = _SHARE[name]
+    what, aside = _SHARE[name], ""
     if name == "rms_tail_error":
         nil = [pair for pair in pairs if all(largest(run, name) < ROUNDING for run in pair)]
         pairs = [pair for pair in pairs if pair not in nil]
         if not pairs:
             return f"leaves {what} nil for every purpose, as it is without (below 1 nm; {_pairs(len(nil))})."
+        aside = f"; in {_pairs(len(nil))} it is nil with and without (below 1 nm)" if nil else ""
     if all(both(run, name)[0] == 0.0 for pair in pairs for run in pair):
         return ""
     known = [change for a, b in pairs for change in [sure_change(b, a, name)] if change is not None]
     left = len(pairs) - len(known)
     if not known:
-        return f"cannot be ranked by {what}: no difference in it is converged with the step ({_pairs(left)})."
+        return f"cannot be ranked by {what}: no difference in it is converged with the step ({_pairs(left)}){aside}."
     counted = f"{_range(known)} in {_pairs(len(known))}"
     ending = f"; {left} more {'is' if left == 1 else 'are'} not converged with the step, or undefined" if left else ""
-    return f"{_word(known)} {what} ({counted}{ending})."
+    return f"{_word(known)} {what} ({counted}{ending}{aside})."
 
 
 def _word(changes: list[float]) -> str:

@@ -91,6 +91,15 @@ def known_parameter(text: str, kinds: Sequence[LawKind]) -> Key:
     raise ValueError(f"unknown parameter or unit; {remedy(text, found.values())}")
 
 
+def all_parameter_keys() -> Mapping[str, Key]:
+    """Keys of the parameters of all loops, whatever the law and the hardware; it takes seconds to make them all."""
+    hardware = keys_of(library.robot_with_hardware(lags=0.01, delays=0.01, limits=1.0, period=0.01).parameters)
+    found = dict(parameter_keys())
+    for more in (hardware, *(loop_keys(loop_of(kind)) for kind in KINDS)):
+        found |= {text: key for text, key in more.items() if text not in found}
+    return found
+
+
 def kinds_of(info: ValidationInfo) -> Sequence[LawKind]:
     """Kinds of the laws of the study that is being read; all where that isn't known."""
     kinds: Sequence[LawKind] = (info.context or {}).get("kinds", KINDS)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from brunovsky._frozen import FrozenMapping
+from brunovsky.comparison.metrics import REACHED
 from brunovsky.comparison.study.loops import IDEAL, Loop
 from brunovsky.comparison.study.signals import Array, Signal, noise_series
 
@@ -35,8 +36,12 @@ class PlannedRun:
         For how long a value of the noise is held, s.
     seed : tuple of int
         Of the noise: equal for the laws of a scenario.
+    band : float
+        Half-width of the band about S = 0 that counts as reached, the same for all laws of the study, m/s2.
     goal_heading : float or None
         Heading that the robot should have at the end, where the task names one, rad; some laws don't know it.
+    given : frozenset of str
+        Parameters and inputs that the study itself sets; the others are the block's defaults.
     """
 
     name: str
@@ -51,7 +56,9 @@ class PlannedRun:
     noise: Mapping[str, float] = FrozenMapping({})
     noise_period: float = 1e-3
     seed: tuple[int, ...] = (0,)
+    band: float = REACHED
     goal_heading: float | None = None
+    given: frozenset[str] = frozenset()
 
     @property
     def is_undisturbed(self) -> bool:

@@ -25,6 +25,7 @@ def planned_run(
     shared: Mapping[str, float],
     step_size: float,
     seed: tuple[int, ...],
+    band: float,
     changed: Mapping[str, float] = NOTHING,
     duration: float | None = None,
     hardware: Hardware | None = None,
@@ -47,6 +48,13 @@ def planned_run(
     for text, names in GROUPS.items():
         if text in changed:
             values |= {name: changed[text] for name in names if name in known}
+    disturbances = by_name(scenario.disturbances, input_keys())
+    given = {
+        *values,
+        *disturbances,
+        *scenario.noise.deviations,
+        *(n for one in scenario.signals for n in one.amplitudes),
+    }
     resolved = loop.block.parameter_values(values)
     if BANDWIDTH in changed:
         resolved = loop.block.parameter_values({**resolved, **scaled_gains(loop, resolved, changed[BANDWIDTH])})
@@ -57,14 +65,14 @@ def planned_run(
         duration=duration or scenario.duration_s,
         step_size=step_size,
         parameters=FrozenMapping(resolved),
-        inputs=FrozenMapping(
-            {one.name: one.start for one in loop.block.inputs} | by_name(scenario.disturbances, input_keys())
-        ),
+        inputs=FrozenMapping({one.name: one.start for one in loop.block.inputs} | disturbances),
         loop=loop,
         signals=scenario.signals,
         noise=FrozenMapping(scenario.noise.deviations),
         noise_period=scenario.noise.period_s or step_size,
         seed=seed,
+        given=frozenset(given),
+        band=band,
         goal_heading={**tables, **changed}.get(GOAL_HEADING),
     )
 

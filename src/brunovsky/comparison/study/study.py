@@ -13,10 +13,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, FiniteFloat, ValidationError, model_validator
+from pydantic import Field, FiniteFloat, PrivateAttr, ValidationError, model_validator
 
 from brunovsky._frozen import FrozenMapping
+from brunovsky.analysis.coupling.scheme import Scheme
+from brunovsky.comparison.metrics import REACHED
 from brunovsky.comparison.study.chatter_grid import MOST_POINTS, ChatterGrid, ChatterTable
+from brunovsky.comparison.study.communication import check_communication
 from brunovsky.comparison.study.keys import loop_keys, parameter_keys, remedy, study_block
 from brunovsky.comparison.study.law import Law, Name
 from brunovsky.comparison.study.loops import KINDS, Hardware, LawKind, knows_hardware
@@ -25,17 +28,24 @@ from brunovsky.comparison.study.planning import check_protocol, planned_run
 from brunovsky.comparison.study.problems import describe
 from brunovsky.comparison.study.protocols import Protocol
 from brunovsky.comparison.study.scenario import Scenario, ScenarioTable
+from brunovsky.comparison.study.shortened import shortened_tables
 from brunovsky.comparison.study.signals import seed_of
 from brunovsky.comparison.study.table import StudyTable, by_name
 from brunovsky.errors import BrunovskyError, StudyError
 
 FASTEST_LAYER = 2.5  # step times pole of a boundary layer; RK4 is unstable on the real axis from 2.785 on
 MOST_STEPS = 2e6  # of one run, which is kept in memory
-EngineName = Literal["fmpy", "native"]
+EngineName = Literal["fmpy", "native", "ssp"]
 
 
 class Study(StudyTable):
-    """A comparison: laws, scenarios and how they are run."""
+    """A comparison: laws, scenarios and how they are run.
+
+    ``engine = "ssp"`` runs the components of each loop as FMUs that exchange values every ``communication_step_s`` (the
+    step by default), all at once (``scheme = "jacobi"``) or in sequence (``"gauss_seidel"``). ``fmu`` and ``ssp`` are
+    files of your own, relative to the study file, that the engines ``fmpy`` and ``ssp`` run in place of the exported
+    ones.
+    """
 
     name: Name
     title: str
@@ -43,12 +53,17 @@ class Study(StudyTable):
     model: Literal["closed_loop"] = "closed_loop"
     engine: EngineName = "fmpy"
     step_size_s: Annotated[FiniteFloat, Field(gt=0.0)] = 1e-3
+    communication_step_s: Annotated[FiniteFloat, Field(gt=0.0)] | None = None
+    scheme: Scheme = "gauss_seidel"
+    fmu: str | None = None
+    ssp: str | None = None
     seed: Annotated[int, Field(ge=0)] = 0
     parameters: ScenarioTable = Field(default_factory=lambda: FrozenMapping({}))
     laws: tuple[Law, ...] = Field(min_length=1, strict=False)
     scenarios: tuple[Scenario, ...] = Field(min_length=1, strict=False)
     chatter: tuple[ChatterTable, ...] = Field(default=(), strict=False)
     protocols: tuple[Protocol, ...] = Field(default=(), strict=False)
+    _folder: Path | None = PrivateAttr(default=None)  # that of the study file, where it names others
 
     @model_validator(mode="after")
     def _check_runs(self) -> Study:
@@ -72,11 +87,37 @@ class Study(StudyTable):
                 )
             self._check_hardware(scenario)
         self._check_parameters()
+        self._check_files()
+        if self.engine == "ssp":
+            check_communication(self)
         for run in self.plan():
             self._check_layer(run)
             for check in run.loop.block.failed_checks(run.parameters, "start"):
                 raise ValueError(f"scenario '{run.scenario}', law '{run.law}': {check.message}")
         return self
+
+    def _check_files(self) -> None:
+        """Refuse a file that the study's own engine would not run."""
+        if (self.fmu or self.ssp) and not self._own(self.engine):
+            named = "fmu" if self.fmu else "ssp"
+            other = "fmpy" if self.fmu else "ssp"
+            raise ValueError(
+                f"{named} is run by engine '{other}', but engine is '{self.engine}'; write engine = '{other}', "
+                f"or remove {named}"
+            )
+
+    def _own(self, engine: EngineName) -> str | None:
+        return {"fmpy": self.fmu, "ssp": self.ssp}.get(engine)
+
+    def own_file(self, engine: EngineName) -> Path | None:
+        """File of the user's own that an engine runs in place of what it exports."""
+        named = self._own(engine)
+        return None if named is None else (self._folder or Path()) / named
+
+    @property
+    def communication_step(self) -> float:
+        """Step at whose ends the components of a loop exchange values, s."""
+        return self.communication_step_s or self.step_size_s
 
     def _check_hardware(self, scenario: Scenario) -> None:
         if scenario.noise.period_s is not None and scenario.noise.period_s < self.step_size_s:
@@ -170,7 +211,14 @@ class Study(StudyTable):
             shared=self.parameters,
             step_size=self.step_size_s,
             seed=seed_of(self.seed, scenario.name),
+            band=self.band,
         )
+
+    @property
+    def band(self) -> float:
+        """Half-width of the band about S = 0 that counts as reached under every law: the widest layer, m/s2."""
+        layers = (law.values.get("phi", 0.0) for law in self.laws if law.in_family and law.values["P"])
+        return max([REACHED, *layers])
 
     def scenario(self, name: str) -> Scenario:
         """The scenario of this name."""
@@ -197,10 +245,24 @@ class Study(StudyTable):
             shared=self.parameters,
             step_size=protocol.step_size_s or self.step_size_s,
             seed=seed or seed_of(self.seed, scenario.name),
+            band=self.band,
             changed=changed,
             duration=protocol.duration_s,
             hardware=hardware,
         )
+
+    def shortened(self, duration_s: float = 1.0) -> Study:
+        """The same study with runs of at most a duration (s) and few trials: a quick look, and no result.
+
+        Raises
+        ------
+        StudyError
+            If the duration is not above zero.
+        """
+        if not duration_s > 0.0:
+            raise StudyError(f"a study cannot be shortened to {duration_s!r} s; give a duration above 0")
+        tables = shortened_tables(self.model_dump(exclude_none=True), duration_s)
+        return Study.model_validate(tables, context={"kinds": _kinds(tables)})
 
     def digest(self) -> str:
         """SHA-256 of the resolved runs: equal for studies that ask for the same simulations."""
@@ -236,7 +298,10 @@ def load_study(path: str | Path) -> Study:
     except tomllib.TOMLDecodeError as error:
         raise StudyError(f"{path}: is not valid TOML: {error}; correct the syntax there") from None
     try:
-        return Study.model_validate(data, context={"kinds": _kinds(data)})
+        study = Study.model_validate(data, context={"kinds": _kinds(data)})
+        if study.fmu or study.ssp:
+            study._folder = path.parent
+        return study
     except ValidationError as error:
         raise StudyError(
             describe(path, text, error, {"": Study, "laws": Law, "scenarios": Scenario, "chatter": ChatterTable})
@@ -246,5 +311,5 @@ def load_study(path: str | Path) -> Study:
 def _kinds(data: Mapping[str, Any]) -> list[LawKind]:
     """Kinds of laws that a study file names, before it is checked: only their loops are made."""
     laws = data.get("laws")
-    named = [one.get("kind") for one in laws if isinstance(one, dict)] if isinstance(laws, list) else []
+    named = [one.get("kind") for one in laws if isinstance(one, dict)] if isinstance(laws, list | tuple) else []
     return [kind for kind in KINDS if kind in named]

@@ -32,7 +32,10 @@ def adjoint_derivatives(subject: Subject) -> Answer:
     apart[np.isnan(apart)] = np.inf
     row, column = np.unravel_index(np.argmax(apart), apart.shape)
     if apart[row, column] <= _LIMIT:
-        return PASSED, f"{matrix.size} of them, off the directional ones by at most {apart[row, column]:.1e}"
+        return (
+            PASSED,
+            f"{matrix.size} of them, off the directional ones by at most {apart[row, column]:.1e}{here.remark}",
+        )
     of = unknowns[row].name if row < len(unknowns) else "the seeded sum of all unknowns"
     return FAILED, (
         f"d {of} / d {knowns[column].name} is given as {found[row, column]:.9g}, "

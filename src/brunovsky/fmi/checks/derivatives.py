@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from fmpy.fmi1 import FMICallException
 
 from brunovsky.fmi.checks.experiment import size
 from brunovsky.fmi.checks.report import FAILED, NOT_PROVIDED, PASSED
@@ -16,16 +17,21 @@ from brunovsky.fmi.checks.subject import Answer, Subject
 _LIMIT = 1e-5
 """Of the difference of derivatives, relative to the largest value beside it."""
 _NOTHING = 1e-7
+_STEPS = 3
 
 
 @dataclass(frozen=True)
 class Place:
-    """An instance where derivatives are taken, with what depends there (unknowns) on what (knowns, states first)."""
+    """An instance where derivatives are taken, with what depends there (unknowns) on what (knowns, states first).
+
+    ``remark`` says why it isn't the usual place.
+    """
 
     stepper: Stepper
     unknowns: tuple[Any, ...]
     states: tuple[Any, ...]
     inputs: tuple[Any, ...]
+    remark: str = ""
 
     @property
     def knowns(self) -> tuple[Any, ...]:
@@ -42,6 +48,7 @@ class Slopes:
     values: np.ndarray
     smooth: np.ndarray
     given: np.ndarray | None
+    remark: str = ""
 
 
 def directional_derivatives(subject: Subject) -> Answer:
@@ -54,7 +61,7 @@ def directional_derivatives(subject: Subject) -> Answer:
     apart = np.where(found.smooth, np.abs(found.given - found.values) / (1.0 + np.abs(found.values)), 0.0)
     row, column = np.unravel_index(np.argmax(np.where(np.isnan(apart), np.inf, apart)), apart.shape)
     worst = apart[row, column]
-    what = f"{int(found.smooth.sum())} of them, off central differences by at most {worst:.1e}"
+    what = f"{int(found.smooth.sum())} of them, off central differences by at most {worst:.1e}{found.remark}"
     if worst <= _LIMIT:
         return PASSED, what
     names = f"d {found.unknowns[row].name} / d {found.knowns[column].name}"
@@ -92,31 +99,54 @@ def _structure(subject: Subject) -> Sequence[Any]:
     return [*structure.outputs, *structure.derivatives]
 
 
-def place(subject: Subject) -> Place:
-    """Of co-simulation in initialisation mode, of model exchange in continuous-time mode, after a few steps."""
-    unknowns = tuple(
-        one.variable
-        for one in _structure(subject)
+def _continuous(unknowns: Sequence[Any]) -> tuple[Any, ...]:
+    """Variables of the unknowns that are continuous scalars."""
+    return tuple(
+        one.variable for one in unknowns
         if one.variable.type in ("Real", "Float64") and one.variable.variability == "continuous"
         and size(one.variable) == 1 and not one.variable.clocks
     )  # fmt: skip
+
+
+def place(subject: Subject, *, derivatives: bool = True) -> Place:
+    """Of co-simulation in initialisation mode, of model exchange in continuous-time mode, after a few steps.
+
+    Where initialisation mode refuses the derivatives that are wanted, co-simulation too is taken after a few steps:
+    an event of the first instant may leave none there.
+    """
+    unknowns = _continuous(_structure(subject))
     inputs = tuple(one for one in subject.inputs if size(one) == 1)
     if subject.interface == "CoSimulation":
         stepper = subject.stepper(subject.instance())
         stepper.instance.initialize(stepper.run, leave=False)
-        return Place(stepper, unknowns, (), inputs)
+        if not (derivatives and unknowns and inputs) or _answers(stepper, unknowns, inputs[0]):
+            return Place(stepper, unknowns, (), inputs)
+        stepper.instance.free()
+        remark = f"; after {_STEPS} steps, as initialisation mode refuses them: {subject.last_message}"
+        stepper = subject.started()
+        subject.record(stepper, min(_STEPS, subject.run.steps))
+        return Place(stepper, _continuous(subject.description.outputs), (), inputs, remark)
     stepper = subject.started()
-    subject.record(stepper, min(3, subject.run.steps))
+    subject.record(stepper, min(_STEPS, subject.run.steps))
     states = tuple(one.variable.derivative for one in subject.description.derivatives)
     if any(size(one) > 1 for one in states):
         states = ()
     return Place(stepper, unknowns, states, inputs)
 
 
+def _answers(stepper: Stepper, unknowns: Sequence[Any], known: Any) -> bool:
+    try:
+        stepper.instance.directional(unknowns, known)
+    except FMICallException:
+        return False
+    return True
+
+
 def _slopes(subject: Subject, *, derivatives: bool) -> Slopes:
-    here = place(subject)
+    here = place(subject, derivatives=derivatives)
     assign = _setter(here.stepper, here.states)
-    return _measured(here.stepper, here.unknowns, here.knowns, assign, derivatives)
+    found = _measured(here.stepper, here.unknowns, here.knowns, assign, derivatives)
+    return replace(found, remark=here.remark)
 
 
 def _setter(stepper: Stepper, states: Sequence[Any]) -> Callable[[Any, float], None]:

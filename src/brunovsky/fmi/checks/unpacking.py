@@ -6,7 +6,7 @@ import os
 import stat
 import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from brunovsky.errors import BrunovskyError
@@ -36,16 +36,29 @@ def unpack_fmu(path: Path, folder: Path) -> None:
         If it isn't a zip archive, leaves the folder, is a bomb, or has no description or binaries. Nothing has been
         unpacked then, unless its content contradicts its own list.
     """
+    _unpack(path, folder, "an FMU", _problem_of_fmu)
+
+
+def unpack_ssp(path: Path, folder: Path) -> None:
+    """Unpack a system structure package into a folder; the FMUs in it stay packed.
+
+    Parameters and exceptions are those of :func:`unpack_fmu`; it must have a ``SystemStructure.ssd``.
+    """
+    _unpack(path, folder, "an SSP", _problem_of_ssp)
+
+
+def _unpack(path: Path, folder: Path, kind: str, missing: Callable[[Collection[str]], str]) -> None:
     if not path.exists():
-        raise BrunovskyError(f"{path}: there is no such file; name an FMU")
+        raise BrunovskyError(f"{path}: there is no such file; name {kind}")
     if not path.is_file():
-        raise BrunovskyError(f"{path}: not a file; name an FMU, not the folder it was unpacked to")
+        raise BrunovskyError(f"{path}: not a file; name {kind}, not the folder it was unpacked to")
     if path.stat().st_size > MAX_BYTES:
         raise BrunovskyError(f"{path}: refused: larger than {MAX_BYTES >> 20} MiB")
     try:
         with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()
-            problem = problem_of(entries)
+            names = [entry.filename for entry in entries]
+            problem = problem_of(entries) or missing({name for name in names if not name.endswith("/")})
             if problem:
                 raise BrunovskyError(f"{path}: refused, nothing was unpacked: {problem}")
             for entry in entries:
@@ -108,8 +121,18 @@ def _problem_of_tree(names: Sequence[str]) -> str:
             name
         }:
             return f"entry {name[:80]!r} is both a file and a folder"
-    if "modelDescription.xml" not in known:
+    return ""
+
+
+def _problem_of_fmu(files: Collection[str]) -> str:
+    if "modelDescription.xml" not in files:
         return "it has no modelDescription.xml at its top, so that it isn't an FMU"
     if not any(name.startswith("binaries/") and name.count("/") > 1 for name in files):
         return "it has no binaries; compile its sources first, they can't be run as they are"
+    return ""
+
+
+def _problem_of_ssp(files: Collection[str]) -> str:
+    if "SystemStructure.ssd" not in files:
+        return "it has no SystemStructure.ssd at its top, so that it isn't an SSP"
     return ""

@@ -45,7 +45,8 @@ def regulator(law: Block | None = None) -> Diagram:
     ModelError
         If `law` is not for the robot's chains.
     ParameterError
-        At the start, where a limit is not positive; the message has the reason.
+        At the start, where no plan can keep the limits, or other parameters keep the robot from resting; the message
+        has the reason.
 
     References
     ----------

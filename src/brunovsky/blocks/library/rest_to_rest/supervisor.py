@@ -11,6 +11,7 @@ from brunovsky.blocks.block import Block
 from brunovsky.blocks.library.chains import ROBOT_CHAINS
 from brunovsky.blocks.library.rest_to_rest import motion
 from brunovsky.blocks.library.rest_to_rest.candidates import candidates
+from brunovsky.blocks.library.rest_to_rest.feasibility import feasibility
 from brunovsky.blocks.library.rest_to_rest.modes import TOLERANCE, TUBE, changes, watched
 from brunovsky.blocks.library.rest_to_rest.motion import COMMAND, ETA_MIN, RATE, SPEEDS
 from brunovsky.blocks.library.rest_to_rest.path import Pose
@@ -20,7 +21,6 @@ from brunovsky.blocks.library.rest_to_rest.search import CHEAPER, SEARCH, search
 from brunovsky.blocks.library.rest_to_rest.timing import Limits
 from brunovsky.blocks.library.robot import robot, robot_linearization
 from brunovsky.blocks.variables import (
-    Check,
     Input,
     Mode,
     Output,
@@ -46,7 +46,9 @@ _LIMITS = (
     Parameter("u_limit[1]", "m/s2", "largest forward acceleration", 2.0, 0.0, tunable=True),
     Parameter("u_limit[2]", "rad/s2", "largest yaw acceleration", 30.0, 0.0, tunable=True),
 )
-_OBSERVER = Parameter("observer_rate", "1/s", "rate of the observer of disturbances; 0: none", 20.0, 0.0, tunable=True)
+_RESERVE = Parameter("reserve", "1", "part of u_limit that plans leave to the law and to disturbances",
+                     0.4, 0.0, 0.9, tunable=True)  # fmt: skip
+_OBSERVER = Parameter("observer_rate", "1/s", "rate of the observer of disturbances", 20.0, 0.0, tunable=True)
 _MODES = (
     Mode("mode", "1", "0 at rest, 1 moving, 2 braking"),
     Mode("leg", "1", "0 a turn in place, 1 a path"),
@@ -69,7 +71,7 @@ def supervisor() -> Block:
     """
     mode, leg, awake = symbols("mode", "leg", "awake")
     here, goal = Pose(*(one.symbol for one in ROBOT[:3])), Pose(*(one.symbol for one in GOAL))
-    limits = Limits(*(one.symbol for one in _LIMITS)).planned
+    limits = Limits(*(one.symbol for one in _LIMITS)).planned(_RESERVE.symbol)
     path = motion.following(here.heading)
     watch = watched(here, goal, path)
     away = sp.Or(watch["beside"].symbol, watch["beyond"].symbol)
@@ -87,7 +89,7 @@ def supervisor() -> Block:
         "supervisor",
         "planner, modes, reference and inner loop of the regulator",
         inputs=(*GOAL, *ROBOT, *(Input(f"v[{i}]", "m/s3", f"input of chain {i}") for i in (1, 2))),
-        parameters=(*_LIMITS, TOLERANCE, TUBE, RATE, _OBSERVER, ETA_MIN),
+        parameters=(*_LIMITS, _RESERVE, TOLERANCE, TUBE, RATE, _OBSERVER, ETA_MIN),
         states=(
             State("path_parameter", "1", "path parameter of the reference",
                   sp.Piecewise((path.reference.parameter_rate, on_path), (0, True))),
@@ -110,7 +112,7 @@ def supervisor() -> Block:
             *changes(here, goal, limits, watch),
             *search_transitions(candidates(here, goal, limits), here, goal, limits),
         ),
-        checks=tuple(_positive(one, what) for one, what in zip(_LIMITS, ("move", "accelerate", "turn"), strict=True)),
+        checks=feasibility(Limits(*(one.symbol for one in _LIMITS)), limits, _OBSERVER.symbol),
     )  # fmt: skip
 
 
@@ -126,8 +128,3 @@ def _chain_outputs(reference: Reference) -> list[Output]:
         *(Output(f"zd3[{i}]", ROBOT_CHAINS.unit(i, 3), f"third derivative of the reference of chain {i}",
                  wanted[3][i - 1]) for i in (1, 2)),
     ]  # fmt: skip
-
-
-def _positive(limit: Parameter, what: str) -> Check:
-    message = f"{limit.name} must be positive: a robot that may not {what} cannot be brought to the goal; raise it"
-    return Check("limit", limit.symbol > 0, message)

@@ -24,9 +24,7 @@ NODES = 24
 """Gauss points on a path."""
 ORDER = 8
 """Of the norms that stand for maxima; even."""
-RESERVE = 0.75
-"""Part of the limits of acceleration that plans use; the rest is for what disturbs and for the law that tracks."""
-SPEED_RESERVE = 0.95
+SPEED_SHARE = 0.95
 """Part of the limit of speed that plans use."""
 TURN_SHARE = 0.2
 """Part of the yaw acceleration that a rising speed may take, u2 = k' V^2 + k V'; the remainder is for the cruise."""
@@ -42,10 +40,11 @@ class Limits:
     acceleration: sp.Expr
     yaw_acceleration: sp.Expr
 
-    @property
-    def planned(self) -> Limits:
-        """What a plan uses of them."""
-        return Limits(SPEED_RESERVE * self.speed, RESERVE * self.acceleration, RESERVE * self.yaw_acceleration)
+    def planned(self, reserve: sp.Expr) -> Limits:
+        """What a plan uses of them: of the accelerations all but the reserve, a part from 0 to 1."""
+        return Limits(
+            SPEED_SHARE * self.speed, (1 - reserve) * self.acceleration, (1 - reserve) * self.yaw_acceleration
+        )
 
 
 @dataclass(frozen=True)
@@ -106,19 +105,24 @@ def path_timing(along: sp.Expr, left: sp.Expr, turn: sp.Expr, tangent: sp.Expr, 
     """
     products = _Products.of(along, left, turn, tangent)
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    length = bends = sharpness = turns = sp.S.Zero
+    length = sharpness = turns = sp.S.Zero
+    bends = []
     for node, weight in zip(nodes, weights, strict=True):
         first, second, third = (_basis(order, (node + 1) / 2) for order in (1, 2, 3))
         speed2 = products.dot(first, first)
         cross = products.cross(first, second)
         slope = (products.cross(first, third) - 3 * cross * products.dot(first, second) / speed2) / speed2**2
         length += sp.Float(weight / 2) * sp.sqrt(speed2)
-        bends += (cross**2 / speed2**3) ** (ORDER // 2)
+        bends.append((cross**2 / speed2**3) ** (ORDER // 2))
         turns += slope**ORDER
         sharpness += ((SHARPNESS / NODES) ** 2 * products.dot(second, second) / speed2) ** (ORDER // 2)
-    least = 2 * ORDER
-    steepness = (
-        limits.acceleration**-least + bends**2 / (TURN_SHARE * limits.yaw_acceleration) ** least
+    least, most_yaw = 2 * ORDER, TURN_SHARE * limits.yaw_acceleration
+    bent = [
+        sp.Add(*bends[::2]),
+        sp.Add(*bends[1::2]),
+    ]  # in a power of two terms SymPy asks for seconds if one is infinite
+    steepness = sp.Add(
+        limits.acceleration**-least, *(one * sp.Add(*bends) / most_yaw**least for one in bent)
     ) ** sp.Rational(1, least)
     slowness = (
         limits.speed**-least

@@ -1,0 +1,174 @@
+"""Verdict and claims follow the numbers: with altered numbers they say something else, and never more than these."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import pytest
+
+from brunovsky.comparison import Comparison, Run, Status
+from brunovsky.comparison.claims import claims
+from brunovsky.comparison.features import features
+from brunovsky.comparison.metrics import Metrics
+from brunovsky.comparison.report.limits import limits
+from brunovsky.comparison.report.verdict import verdict
+
+
+def altered(
+    comparison: Comparison, change: Callable[[Run], Mapping[str, float | None]], factor: float = 1.0
+) -> Comparison:
+    """Runs with other metrics or facts, and these times a factor at half the step."""
+    return replace(comparison, runs=tuple(_altered(run, change(run), factor) for run in comparison.runs))
+
+
+def _altered(run: Run, values: Mapping[str, float | None], factor: float) -> Run:
+    half = {name: None if value is None else factor * value for name, value in values.items()}
+    parts = [(run, values), (run.half_step, half)]
+    new = [
+        {
+            "metrics": replace(one.metrics, **{name: v for name, v in some.items() if hasattr(one.metrics, name)}),
+            "facts": replace(one.facts, **{name: v for name, v in some.items() if not hasattr(one.metrics, name)}),
+        }
+        for one, some in parts
+    ]
+    return replace(run, **new[0], half_step=replace(run.half_step, **new[1]))
+
+
+def failed(comparison: Comparison, name: str) -> Comparison:
+    runs = tuple(
+        replace(run, status=Status("singular", 1.0, "why"), metrics=Metrics(), facts=None, half_step=None)
+        if run.planned.name == name
+        else run
+        for run in comparison.runs
+    )
+    return replace(comparison, runs=runs)
+
+
+def scaled(name: str, factor: float, base: float = 1.0) -> Callable[[Run], Mapping[str, float]]:
+    """A metric or fact that is `base` under pole placement, and `factor` times as much under the other laws."""
+    return lambda run: {name: base if run.planned.law == "linear" else factor * base}
+
+
+def of(comparison: Comparison, part: str):
+    return next(one for one in claims(comparison) if part in one.quote)
+
+
+def sentences(comparison: Comparison) -> str:
+    return "\n".join(verdict(comparison, claims(comparison)))
+
+
+TIMES = ("settling_time", "settling_1mm", "settling_100um")
+
+
+@pytest.mark.parametrize(
+    ("factors", "expected"),
+    [
+        ((0.5, 0.5, 0.5), "confirmed"),
+        ((1.0, 0.9, 0.8), "confirmed under conditions"),
+        ((0.99, 1.0, 1.01), "contradicted"),
+        ((1.3, 1.3, 1.3), "contradicted"),
+    ],
+)
+def test_convergence(paper_runs, factors, expected):
+    made = altered(
+        paper_runs,
+        lambda run: {n: 1.0 if run.planned.law == "linear" else f for n, f in zip(TIMES, factors, strict=True)},
+    )
+    assert of(made, "its rate").verdict == expected
+
+
+def test_what_the_step_decides_examines_nothing(paper_runs):
+    made = altered(
+        paper_runs, lambda run: dict.fromkeys(TIMES, 1.0 if run.planned.law == "linear" else 0.5), factor=1.5
+    )
+    assert of(made, "its rate").verdict == "not examined"
+    assert "cannot be ranked by the settling time" in sentences(made)
+
+
+@pytest.mark.parametrize(
+    ("values", "part", "expected"),
+    [
+        ({"rms_tail_error": 1e-12}, "steady state errors", "confirmed"),
+        ({"rms_tail_error": 1e-3}, "steady state errors", "confirmed under conditions"),
+        ({"rms_tail_error": 0.5}, "steady state errors", "contradicted"),
+        ({"settling_time": None}, "control smoothness", "contradicted"),
+        ({"settling_time": 1.0, "peak_speed": 1.0, "peak_yaw_acceleration": 5.0}, "control smoothness", "confirmed"),
+        ({"settling_time": None}, "to any point", "contradicted"),
+        ({"settling_time": None}, "strength of convergence", "contradicted"),
+        ({"settling_time": 1.0}, "strength of convergence", "confirmed"),
+        ({"peak_yaw_acceleration": 5.0}, "greatly influences", "contradicted"),
+        ({"heading_start": 1.0, "heading_end": 1.0}, "not the orientation", "contradicted"),
+        ({"heading_start": 1.0, "heading_end": 2.0}, "not the orientation", "confirmed"),
+    ],
+)
+def test_claims_flip_with_their_numbers(paper_runs, values, part, expected):
+    assert of(altered(paper_runs, lambda run: values), part).verdict == expected
+
+
+@pytest.mark.parametrize(("u1", "u2", "expected"), [(1.1, 1.1, "confirmed"), (1.1, 9.0, "confirmed under conditions"),
+                                                    (9.0, 9.0, "contradicted")])  # fmt: skip
+def test_chattering(paper_runs, u1, u2, expected):
+    made = altered(
+        paper_runs,
+        lambda run: {
+            "total_variation_u1": 100.0 * (u1 if run.planned.law == "sign" else 1.0),
+            "total_variation_u2": 100.0 * (u2 if run.planned.law == "sign" else 1.0),
+        },
+    )
+    assert of(made, "chattering").verdict == expected
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(0.01, "confirmed under conditions"), (1.0, "contradicted")])
+def test_robustness_is_never_confirmed_without_conditions_where_dynamics_are_missing(paper_runs, factor, expected):
+    made = altered(paper_runs, scaled("rms_tail_error", factor, 1e-3))
+    made = altered(made, scaled("settling_time", 1.0))
+    assert of(made, "robustness").verdict == expected
+
+
+def test_a_failed_run_is_told_first_and_confirms_nothing_without_conditions(paper_runs):
+    made = failed(paper_runs, "fig6-inside/sign")
+    found = verdict(made, claims(made))
+    assert found[0].startswith("1 of 28 runs failed: fig6-inside/sign (singular)")
+    assert "confirmed" not in {one.verdict for one in claims(made)}
+    assert "fig6-inside/sign" in of(made, "steady state errors").shown
+    assert verdict(paper_runs, claims(paper_runs))[-1] == "All 28 runs reached their end."
+
+
+@pytest.mark.parametrize(
+    ("factor", "word"), [(0.5, "lowers"), (0.999, "hardly changes"), (2.0, "raises"), (0.93, "lowers")]
+)
+def test_the_verdict_on_convergence(paper_runs, factor, word):
+    text = sentences(altered(paper_runs, scaled("settling_time", factor)))
+    assert f"same linear part {word} the settling time to 1 cm" in text
+
+
+def test_the_verdict_counts_both_directions_and_what_is_not_converged(paper_runs):
+    def change(run):
+        other = 0.5 if "inside" in run.planned.name else 2.0
+        return {"settling_time": 1.0 if run.planned.law == "linear" else other}
+
+    assert "in some runs lowers and in others raises the settling time" in sentences(altered(paper_runs, change))
+    text = sentences(altered(paper_runs, scaled("rms_tail_error", 0.5, 1e-3), factor=2.0))
+    assert "cannot be ranked by the RMS error of the last quarter" in text and "lowers the RMS" not in text
+
+
+def test_a_gentle_robot_is_not_said_to_be_violent(paper_runs):
+    assert "laboratory robot" in sentences(paper_runs)
+    calm = altered(paper_runs, lambda run: {"peak_speed": 1.0, "peak_yaw_acceleration": 1.0})
+    assert "laboratory robot" not in sentences(calm)
+
+
+def test_the_box_says_what_is_missing_and_only_that(paper_runs):
+    text = "\n".join(limits(paper_runs, claims(paper_runs)))
+    assert "No run has measurement noise, actuator lags, delays, limits of u₁ and u₂ or wheel slip" in text
+    assert features(paper_runs.study) == {"disturbance", "uncertainty"}
+    calm = paper_runs.study.model_copy(update={"scenarios": paper_runs.study.scenarios[2:3]})
+    runs = tuple(run for run in paper_runs.runs if run.planned.scenario == "fig6-inside")
+    text = "\n".join(limits(replace(paper_runs, study=calm, runs=runs), []))
+    assert "disturbances, errors of mass and inertia or wheel slip" in text and "chaotic" not in text
+
+
+def test_what_a_study_has_is_not_said_to_be_missing(paper_runs, monkeypatch):
+    has = frozenset({"noise", "lag", "sampling", "disturbance", "uncertainty"})
+    monkeypatch.setattr("brunovsky.comparison.report.limits.features", lambda study: has)
+    text = limits(paper_runs, [])[0]
+    assert text == "Apart from noise, the state is known. No run has delays, limits of u₁ and u₂ or wheel slip."
