@@ -64,7 +64,7 @@ class PredictedChatter:
         return tuple((said, found) if said and found else None for said, found in both)
 
 
-def chatter_section(comparison: Comparison) -> ProtocolSection | None:
+def chatter_section(comparison: Comparison, *, drawn: bool = True) -> ProtocolSection | None:
     """Predicted and measured chatter of the switching laws; None where no run has a lag, a delay or sampling."""
     found = predicted_chatter(comparison)
     if all(one.run.planned.is_ideal for one in found):
@@ -86,22 +86,21 @@ def chatter_section(comparison: Comparison) -> ProtocolSection | None:
     )
     findings = tuple(_findings(found))
     with drawing.settings():
-        figure = predicted_chatter_figure(found)
+        figure = predicted_chatter_figure(found) if drawn else None
     return ProtocolSection(
         title="Chatter, predicted and measured",
         explanation=(
-            "Frequency ω and amplitude A of the sliding variable in the last quarter of each run under a switching law, "
-            "beside what brunovsky.analysis predicts from the gains and the hardware alone: for one chain with lags and "
-            "delay at v, by describing function and, for a relay, exactly; for the robot with equal lags at its "
-            "actuators along a straight line; with half a step of delay more, by which the simulation freezes the relay on "
-            "average; for a relay that is sampled, or only stepped, by the map from sample to "
-            "sample. A dash is no chatter."
+            "Frequency ω and amplitude A of the sliding variable in the last quarter of each run under a switching "
+            "law, beside what is predicted from gains and hardware alone: for one chain with lags and delay at v, by "
+            "describing function and, for a relay, exactly, also with the half step more by which the simulation "
+            "delays the relay on average; for the robot with equal lags at its actuators along a straight line; for a "
+            "relay that is sampled, or only stepped, by the map from sample to sample. A dash is no chatter."
         ),
         figure_svg=drawing.svg(figure, "chatter-predicted") if figure is not None else "",
         table=Table("chatter", columns, rows, "Chatter, predicted and measured"),
         findings=findings,
         caption="Measured over predicted frequency and amplitude; on the line they are equal, dotted is a tenth off.",
-        headline=findings[0] if findings else "",
+        headline=next((one for one in findings if STEPPED in one), findings[0]),
     )
 
 
@@ -154,7 +153,7 @@ def _loop(planned: PlannedRun) -> SwitchingLoop | None:
     if lags[0] != lags[1] or delays[0] != delays[1]:
         return None
     return SwitchingLoop(
-        [p[f"C[{k}]"] for k in (1, 2, 3)],
+        (p["C[1]"], p["C[2]"], p["C[3]"]),
         p["Q"],
         p["P"],
         p["phi"],

@@ -12,11 +12,13 @@ import xarray as xr
 from brunovsky._frozen import FrozenMapping
 from brunovsky.analysis import resting_poses
 from brunovsky.comparison.agreement import Agreement
+from brunovsky.comparison.coupling_runs import run_coupling
 from brunovsky.comparison.cross_check import agreement_with
 from brunovsky.comparison.engines import Engine, NativeSimulation, check_outcome
 from brunovsky.comparison.margin_runs import run_margins
 from brunovsky.comparison.metrics import compute_metrics
 from brunovsky.comparison.protocols import (
+    Coupling,
     Distribution,
     EqualEffort,
     Failure,
@@ -34,6 +36,7 @@ from brunovsky.comparison.protocols import (
 from brunovsky.comparison.study import PlannedRun, Study
 from brunovsky.comparison.study.keys import unit_suffix
 from brunovsky.comparison.study.protocols import (
+    CouplingTable,
     EqualEffortTable,
     MarginsTable,
     ParetoTable,
@@ -43,7 +46,7 @@ from brunovsky.comparison.study.protocols import (
 from brunovsky.errors import StudyError
 
 WORST = 10  # cases that are drawn as paths
-Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo | MeasuredLoopMargins
+Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo | MeasuredLoopMargins | Coupling
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +79,7 @@ class ProtocolRun:
     ----------
     table : Protocol
         What was asked for.
-    result : Swept, EqualEffort, Pareto, MonteCarlo or MeasuredLoopMargins
+    result : Swept, EqualEffort, Pareto, MonteCarlo, MeasuredLoopMargins or Coupling
         What came out.
     agreement : tuple of Agreement
         Of the trials that were repeated by the native simulation.
@@ -166,6 +169,8 @@ def run_protocol(
     """
     if isinstance(table, MarginsTable):
         return ProtocolRun(table, run_margins(study, table, native, progress), (), (), FrozenMapping({}))
+    if isinstance(table, CouplingTable):
+        return ProtocolRun(table, run_coupling(study, table, progress), (), (), FrozenMapping({}))
     trials = _Trials(study, table, engine, native, progress)
     laws: dict[str, Mapping[str, float]] = {law.name: {} for law in study.laws_of_protocol(table)}
     worst: tuple[Path, ...] = ()

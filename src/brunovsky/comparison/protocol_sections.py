@@ -13,11 +13,13 @@ from brunovsky.comparison.figures import worst_paths_figure
 from brunovsky.comparison.protocol_runs import Path, ProtocolRun
 from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
 from brunovsky.comparison.protocols import (
+    Coupling,
     EqualEffort,
     MeasuredLoopMargins,
     MonteCarlo,
     Pareto,
     Swept,
+    coupling_figure,
     equal_effort_figure,
     margins_figure,
     monte_carlo_figure,
@@ -32,7 +34,11 @@ _FIGURES: Mapping[type, Callable[..., Figure]] = {
     Pareto: pareto_figure,
     MonteCarlo: monte_carlo_figure,
     MeasuredLoopMargins: margins_figure,
+    Coupling: coupling_figure,
 }
+
+
+_SUMMED_UP = (EqualEffort, Pareto, MonteCarlo, MeasuredLoopMargins, Coupling)  # in the last of their findings
 
 
 def protocol_sections(comparison: Comparison, *, drawn: bool = True) -> tuple[ProtocolSection, ...]:
@@ -52,7 +58,7 @@ def protocol_sections(comparison: Comparison, *, drawn: bool = True) -> tuple[Pr
         found.append(_section(one, index, scenario.title, titles, drawn))
         if one.worst and drawn:
             found.append(_worst_section(one, index, titles))
-    chatter = chatter_section(comparison)
+    chatter = chatter_section(comparison, drawn=drawn)
     return tuple(found) if chatter is None else (chatter, *found)
 
 
@@ -89,7 +95,9 @@ def _cell(value: Any) -> Cell:
 
 def _trial_rows(one: ProtocolRun) -> list[dict[str, Any]]:
     drawn = one.drawn
-    return [{**row, **{key: values[int(row.get("case", 0))] for key, values in drawn.items()}} for row in one.result.rows()]
+    return [
+        {**row, **{key: values[int(row.get("case", 0))] for key, values in drawn.items()}} for row in one.result.rows()
+    ]
 
 
 def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, str], drawn: bool) -> ProtocolSection:
@@ -98,7 +106,7 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
     if drawn:
         with drawing.settings():
             picture = drawing.svg(_FIGURES[type(result)](result, titles), key)
-    rows = result.summary_rows() if isinstance(result, MonteCarlo) else result.rows()
+    rows = result.summary_rows() if isinstance(result, MonteCarlo | Coupling) else result.rows()
     findings = tuple(result.findings())
     return ProtocolSection(
         title=f"{explanation.title}: {scenario}",
@@ -107,7 +115,7 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
         table=table_of(key, rows, f"{explanation.title}, “{scenario}”"),
         findings=(*findings, *_agreement(one)),
         caption=f"{explanation.title}, “{scenario}”.",
-        headline=findings[-1] if findings else "",
+        headline=f"“{scenario}”: {findings[-1]}" if findings and isinstance(result, _SUMMED_UP) else "",
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,10 @@ from brunovsky.analysis.robot.steady_motion import SteadyMotion
 from brunovsky.errors import ParameterError
 
 Matrix = NDArray[np.float64]
-_DECADES, _POINTS = 3.0, 1200  # around 1 in which gains are looked at; times likewise around the slowest and fastest pole
+_DECADES, _POINTS = (
+    3.0,
+    1200,
+)  # around 1 in which gains are looked at; times likewise around the slowest and fastest pole
 
 
 @dataclass(frozen=True)
@@ -146,7 +150,7 @@ def _abscissa(A: Matrix) -> float:
 
 def _first(excess: Callable[[float], float], grid: Matrix) -> float:
     """First number from which the loop is not stable; inf where there is none."""
-    for before, after in zip(grid[:-1], grid[1:], strict=True):
+    for before, after in pairwise(grid):
         if excess(float(after)) > 0.0:
             return float(brentq(excess, before, after, rtol=1e-12)) if excess(float(before)) < 0.0 else float(before)
     return float("inf")

@@ -89,7 +89,7 @@ def sampled_sliding_gain(
     h = finite_scalar(sampling_period, "sampling_period", where, minimum=0.0, strict=True)
     q = 1 / h if reaching_rate is None else finite_scalar(reaching_rate, "Q", where)
     _check_map(surface_map, where)
-    return _gains(C, np.array([h]), np.array([q]), surface_map)[0]
+    return np.asarray(_gains(C, np.array([h]), np.array([q]), surface_map)[0], dtype=np.float64)
 
 
 def largest_sampling_period(

@@ -5,6 +5,8 @@ the draws. Each takes a function that runs a law with parameters in a case and r
 result with rows for CSV, plain data for JSON, a figure, and sentences that are never stronger than its numbers.
 """
 
+from brunovsky.comparison.protocols.coupling import Coupling
+from brunovsky.comparison.protocols.coupling_figure import coupling_figure
 from brunovsky.comparison.protocols.draws import Distribution, draw_case, noise_seed
 from brunovsky.comparison.protocols.equal_effort import EqualEffort, equal_effort
 from brunovsky.comparison.protocols.evaluation import Evaluate, Failure, Trial, step_sensitive_metrics
@@ -23,6 +25,7 @@ from brunovsky.comparison.protocols.swept import Swept, swept
 from brunovsky.comparison.protocols.tuning import Knob, Tuning
 
 __all__ = [
+    "Coupling",
     "Distribution",
     "EqualEffort",
     "Evaluate",
@@ -36,6 +39,7 @@ __all__ = [
     "Swept",
     "Trial",
     "Tuning",
+    "coupling_figure",
     "draw_case",
     "equal_effort",
     "equal_effort_figure",

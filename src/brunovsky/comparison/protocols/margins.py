@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
 from typing import Any
+
+import numpy as np
 
 from brunovsky.comparison.facts import joined, number, percent
 from brunovsky.comparison.measured_margins import MeasuredMargin, bisect_margin
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.explanation import MARGINS, Explanation
 
+FIRST_TRIED = 9  # values between the ends, of which the first that is not stable is bisected towards the one before
 CLOSE = 0.05  # relative difference up to which measured and predicted are said to agree
 
 UNUSABLE = "not stable as it is"
@@ -87,19 +92,25 @@ class MarginRow:
             return None
         return self.measured.value / self.predicted - 1.0
 
+    @property
+    def limited(self) -> bool:
+        """Whether there is a limit, measured or predicted."""
+        predicted = (self.predicted, self.within_layer)
+        return self.measured.value is not None or any(one not in (None, 0.0, float("inf")) for one in predicted)
+
     def as_row(self) -> dict[str, Any]:
-        """Cells of a table."""
+        """Cells of a table, times in ms."""
+        scale = 1.0 if self.quantity.unit == "1" else 1e3
+        measured, lost = self.measured.value, self.measured.unstable_from
         return {
             "law": self.law,
             "at": self.cut,
-            "margin": self.quantity.title,
-            "unit": self.quantity.unit,
-            "measured": self.measured.value,
-            "lost at": self.measured.unstable_from,
-            "predicted, P = 0": _shown(self.predicted),
-            "predicted within the layer": _shown(self.within_layer),
-            "measured over predicted, less 1": self.difference,
-            "why none": self.measured.reason,
+            "margin": self.quantity.title + ("" if scale == 1.0 else ", ms"),
+            "measured": self.measured.reason if measured is None else scale * measured,
+            "lost at": None if lost is None else scale * lost,
+            "predicted, P = 0": _shown(self.predicted, scale),
+            "predicted within the layer": _shown(self.within_layer, scale),
+            "measured over predicted": None if self.difference is None else 1.0 + self.difference,
         }
 
 
@@ -130,8 +141,8 @@ class MeasuredLoopMargins:
         return tuple(dict.fromkeys(one.law for one in self.found))
 
     def rows(self) -> list[dict[str, Any]]:
-        """One row for each margin."""
-        return [one.as_row() for one in self.found]
+        """One row for each margin that is limited."""
+        return [one.as_row() for one in self.found if one.limited]
 
     def as_dict(self) -> dict[str, Any]:
         """The same as plain data, for JSON."""
@@ -146,9 +157,10 @@ class MeasuredLoopMargins:
             return [*told, "No margin that is predicted was measured."]
         less = [(one, by) for one, by in apart if _worse(one, by) and abs(by) > CLOSE]
         close = sum(abs(by) <= CLOSE for _, by in apart)
+        more = len(apart) - close - len(less)
         text = (
             f"Of {len(apart)} margins of the linear part that are predicted and were measured on the nonlinear loop, "
-            f"{close} agree within {percent(CLOSE)}, {len(less)} are smaller and {len(apart) - close - len(less)} larger"
+            f"{close} agree within {percent(CLOSE)}, {len(less)} are smaller and {more} larger"
         )
         if less:
             worst = min(less, key=lambda pair: _share(*pair))[0]
@@ -169,9 +181,15 @@ class MeasuredLoopMargins:
                 f"Under “{law}” {close} of {len(compared)} margins are as predicted for its linear part, within "
                 f"{percent(CLOSE)}."
             )
+        layered = [one for one in rows if one.within_layer not in (None, 0.0, float("inf")) and one.measured.value]
+        if layered:
+            inside = sum(abs((one.measured.value or 0.0) / (one.within_layer or 1.0) - 1.0) <= CLOSE for one in layered)
+            told.append(f"As predicted for the loop within its boundary layer are {inside} of {len(layered)}.")
         for some, word in ((less, "less"), (more, "more")):
             if some:
-                told.append(f"“{law}” stands {word} than its linear part is predicted to: {joined(list(map(_told, some)))}.")
+                told.append(
+                    f"“{law}” stands {word} than its linear part is predicted to: {joined(list(map(_told, some)))}."
+                )
         beyond = [one for one in rows if one.predicted in (0.0, float("inf")) and one.measured.value is not None]
         if beyond:
             which = joined([f"{_name(one)} of {_value(one.measured.value, one.quantity)}" for one in beyond])
@@ -215,11 +233,10 @@ def margins_of(
         usable = stable(law, cuts[0], "gain", 1.0)
         for cut in cuts:
             for one in (one for one in QUANTITIES if one.change in changes):
-                found = (
-                    _measured(lambda x, one=one, law=law, cut=cut: stable(law, cut, one.change, x), one, gains, times, tolerance)
-                    if usable
-                    else MeasuredMargin(None, None, 1, UNUSABLE)
-                )
+                found = MeasuredMargin(None, None, 1, UNUSABLE)
+                if usable:
+                    changed = partial(stable, law, cut, one.change)
+                    found = _measured(changed, one, gains, times, tolerance)
                 rows.append(MarginRow(law, cut, one, found, *predictions.get((law, cut, one.name), (None, None))))
     return MeasuredLoopMargins(tuple(rows), bound, tolerance)
 
@@ -232,10 +249,19 @@ def _measured(
     tolerance: float,
 ) -> MeasuredMargin:
     if one.change == "gain":
-        low, high = (gains[0], 1.0) if one.falling else (1.0, gains[1])
+        low, high = (1.0, gains[0]) if one.falling else (1.0, gains[1])
     else:
         low, high = times
-    return bisect_margin(stable, low, high, tolerance)
+    tried = np.geomspace(low, high, FIRST_TRIED).tolist()
+    count = 0
+    for before, after in pairwise(tried):
+        if count == 0 and one.change != "gain" and not stable(before):
+            return MeasuredMargin(None, None, 1, f"below {_value(before, one)}")
+        count += 1
+        if not stable(after):
+            found = bisect_margin(stable, min(before, after), max(before, after), tolerance)
+            return replace(found, runs=found.runs + count)
+    return MeasuredMargin(None, None, count, f"none to {_value(high, one)}")
 
 
 def _worse(one: MarginRow, apart: float) -> bool:
@@ -262,8 +288,8 @@ def _value(value: float | None, quantity: Quantity) -> str:
     return f"{number(1e3 * value)} ms"
 
 
-def _shown(value: float | None) -> float | str | None:
-    return "none" if value in (0.0, float("inf")) else value
+def _shown(value: float | None, scale: float) -> float | str | None:
+    return "none" if value in (0.0, float("inf")) else None if value is None else scale * value
 
 
 __all__ = ["CUTS", "QUANTITIES", "MarginRow", "MeasuredLoopMargins", "Quantity", "margins_of"]

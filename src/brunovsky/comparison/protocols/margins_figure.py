@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from brunovsky.comparison import drawing
 from brunovsky.comparison.protocols.figures import MARKERS, Titles
-from brunovsky.comparison.protocols.margins import CUTS, MeasuredLoopMargins, MarginRow
+from brunovsky.comparison.protocols.margins import CUTS, MarginRow, MeasuredLoopMargins
 
 
 def margins_figure(result: MeasuredLoopMargins, titles: Titles | None = None) -> Figure:
@@ -38,12 +40,23 @@ def margins_figure(result: MeasuredLoopMargins, titles: Titles | None = None) ->
     for axes in grid[len(quantities) :]:
         axes.set_visible(False)
     handles = [
-        Line2D([], [], linestyle="none", marker=MARKERS[k % len(MARKERS)], label=(titles or {}).get(law) or law, **_point(k))
+        Line2D(
+            [],
+            [],
+            linestyle="none",
+            marker=MARKERS[k % len(MARKERS)],
+            label=(titles or {}).get(law) or law,
+            **_point(k),
+        )
         for k, law in enumerate(result.laws)
     ]
-    handles.append(Line2D([], [], linestyle="none", marker="|", markersize=11.0, color="#555555", label="predicted, P = 0"))
+    handles.append(
+        Line2D([], [], linestyle="none", marker="|", markersize=11.0, color="#555555", label="predicted, P = 0")
+    )
     if any(one.within_layer for one in result.found):
-        handles.append(Line2D([], [], linestyle="none", marker="x", color="#555555", label="predicted within the layer"))
+        handles.append(
+            Line2D([], [], linestyle="none", marker="x", color="#555555", label="predicted within the layer")
+        )
     figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
     return figure
 
@@ -53,5 +66,5 @@ def _shown(one: MarginRow) -> bool:
     return any(value is not None and 0.0 < value < float("inf") for value in numbers)
 
 
-def _point(index: int) -> dict[str, object]:
+def _point(index: int) -> dict[str, Any]:
     return {"color": drawing.style(index)["color"], "markersize": 6.5, "zorder": 5.0}

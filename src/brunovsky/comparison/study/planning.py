@@ -8,9 +8,17 @@ from brunovsky._frozen import FrozenMapping
 from brunovsky.blocks.units import BASE_UNITS, unit_exponents
 from brunovsky.comparison.study.keys import input_keys, loop_keys, remedy
 from brunovsky.comparison.study.law import Law
-from brunovsky.comparison.study.loops import Hardware, Loop, knows_hardware
+from brunovsky.comparison.study.loops import IDEAL, Hardware, Loop, knows_hardware
 from brunovsky.comparison.study.planned import PlannedRun
-from brunovsky.comparison.study.protocols import BANDWIDTH, GROUPS, EqualEffortTable, MarginsTable, ParetoTable, Protocol
+from brunovsky.comparison.study.protocols import (
+    BANDWIDTH,
+    GROUPS,
+    CouplingTable,
+    EqualEffortTable,
+    MarginsTable,
+    ParetoTable,
+    Protocol,
+)
 from brunovsky.comparison.study.scenario import Scenario
 from brunovsky.comparison.study.table import by_name
 
@@ -123,6 +131,8 @@ def check_protocol(protocol: Protocol, where: str, laws: Sequence[Law], scenario
                 raise ValueError(f"{where}there is no {table}.{name}; give one, or leave the law out of laws")
     if isinstance(protocol, MarginsTable):
         _check_margins(protocol, where, [known[name] for name in compared], scenario)
+    if isinstance(protocol, CouplingTable):
+        _check_coupling(where, [known[name] for name in compared], scenario)
     for name, knobs in protocol.knobs.items():
         having = [known[name]] if name else [known[one] for one in compared]
         for knob in sorted(knobs - {BANDWIDTH}):
@@ -151,3 +161,14 @@ def _check_margins(protocol: MarginsTable, where: str, laws: Sequence[Law], scen
                 f"{where}law '{law.name}' of kind '{law.kind}' commands the bare robot, around which no hardware "
                 "stands; leave it out of laws"
             )
+
+
+def _check_coupling(where: str, laws: Sequence[Law], scenario: Scenario) -> None:
+    if scenario.disturbances or scenario.signals or scenario.resolved_hardware != IDEAL:
+        raise ValueError(
+            f"{where}scenario '{scenario.name}' has disturbances, noise or hardware; the coupling error is that of the "
+            "ideal loop: name a scenario without"
+        )
+    for law in laws:
+        if law.loop().block.clocks or not knows_hardware(law.kind):
+            raise ValueError(f"{where}law '{law.name}' of kind '{law.kind}' cannot be coupled; leave it out of laws")

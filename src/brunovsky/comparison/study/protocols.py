@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, ValidationInfo, model_validator
 
 from brunovsky._frozen import FrozenMapping
+from brunovsky.analysis.coupling.scheme import Scheme
 from brunovsky.comparison.definitions import METRIC_DEFINITIONS, definition
 from brunovsky.comparison.study.keys import kinds_of, known_parameter, remedy
 from brunovsky.comparison.study.law import Name
@@ -203,9 +204,9 @@ class MonteCarloTable(_Protocol):
 class MarginsTable(_Protocol):
     """Gain, delay, lags or sampling period at which each law loses a scenario, by bisection on whole simulations.
 
-    Each change acts at the actuators of ``cuts``: of u1, of u2, or of both alike. A run counts as stable if its position
-    error still contracts, or stays within ``bound_m`` without growing, where what is below ``still_m`` may grow; the runs
-    are native.
+    Each change acts at the actuators of ``cuts``: of u1, of u2, or of both alike. A run counts as stable if its
+    position error stays within ``bound_m`` over its last quarter without growing, where what is below ``still_m`` may
+    grow; the runs are native.
     """
 
     kind: Literal["margins"]
@@ -229,7 +230,23 @@ class MarginsTable(_Protocol):
         return self
 
 
+class CouplingTable(_Protocol):
+    """Components of a loop as FMUs that exchange values at communication points alone, against the loop as one system.
+
+    A run whose error exceeds ``lost_m`` counts as lost; the order of convergence is that of steps up to ``small_s``.
+    """
+
+    kind: Literal["coupling"]
+    metrics: tuple[Metric, ...] = Field(default=(), strict=False)
+    communication_steps_s: tuple[Annotated[FiniteFloat, Field(gt=0.0)], ...] = Field(min_length=2, strict=False)
+    schemes: tuple[Scheme, ...] = Field(default=("jacobi", "gauss_seidel"), min_length=1, strict=False)
+    derivatives: tuple[Annotated[int, Field(ge=0, le=3)], ...] = Field(default=(0, 1), min_length=1, strict=False)
+    lost_m: Annotated[FiniteFloat, Field(gt=0.0)] = 1.0
+    small_s: Annotated[FiniteFloat, Field(gt=0.0)] = 2e-3
+
+
 Protocol: TypeAlias = Annotated[
-    SweptTable | EqualEffortTable | ParetoTable | MonteCarloTable | MarginsTable, Field(discriminator="kind")
+    SweptTable | EqualEffortTable | ParetoTable | MonteCarloTable | MarginsTable | CouplingTable,
+    Field(discriminator="kind"),
 ]
-ANY_PROTOCOL = (SweptTable, EqualEffortTable, ParetoTable, MonteCarloTable, MarginsTable)
+ANY_PROTOCOL = (SweptTable, EqualEffortTable, ParetoTable, MonteCarloTable, MarginsTable, CouplingTable)
