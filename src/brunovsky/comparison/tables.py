@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from brunovsky.analysis import disk_margin, loop_transfer
 from brunovsky.comparison.condition_words import what_acts
 from brunovsky.comparison.definitions import METRIC_DEFINITIONS
 from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
@@ -19,6 +20,8 @@ MARGIN_ROWS = (
     ("phase", "phase margin, degrees", 180.0 / math.pi),
     ("gain_crossover", "gain crossover, rad/s", 1.0),
     ("modulus", "modulus margin", 1.0),
+    ("max_sensitivity", "Ms", 1.0),
+    ("disk_margin", "disk margin", 1.0),
     ("delay", "longest delay, ms", 1e3),
     ("lag", "longest first-order lag, ms", 1e3),
     ("two_lags", "two equal lags, each at most, ms", 1e3),
@@ -103,9 +106,14 @@ def loop_row(loop: LinearLoop) -> dict[str, str]:
 def margin_rows(loops: list[LinearLoop]) -> list[tuple[str, list[str]]]:
     """Label and one cell for each loop."""
     return [
-        (label, ["unstable" if one.margins is None else number(scale * getattr(one.margins, name), 4) for one in loops])
+        (label, ["unstable" if one.margins is None else _margin(one, name, scale) for one in loops])
         for name, label, scale in MARGIN_ROWS
     ]
+
+
+def _margin(one: LinearLoop, name: str, scale: float) -> str:
+    found = disk_margin(loop_transfer(one.gain)).radius if name == "disk_margin" else getattr(one.margins, name)
+    return number(scale * found, 4)
 
 
 def poles_text(poles: Any) -> str:
