@@ -167,10 +167,11 @@ def test_tighter_limits_scale_the_time() -> None:
 
 
 def test_a_push_out_of_the_tube_comes_back_to_where_the_reference_stands() -> None:
-    data = run("circle", 40.0, {"d[2]": lambda t: 300.0 if 12.0 <= t < 12.3 else 0.0}, parameters=ELSEWHERE)
+    push = {"d[2]": lambda t: 100.0 if 12.0 <= t < 12.3 else 0.0}
+    data = run("circle", 40.0, push, parameters=ELSEWHERE | {"tube": 0.02})
     modes = data["mode"].values
-    assert set(modes[12_000:]) == {1, 2}
-    assert error(data)[12_000:].max() > 0.1
+    assert {1, 2} <= set(modes[12_000:])
+    assert error(data)[12_000:].max() > 0.02
     assert np.isfinite(data["u[2]"]).all()
     there, elapsed = following(data), data["elapsed"].values
     assert np.all(np.diff(elapsed) >= 0)
@@ -179,19 +180,20 @@ def test_a_push_out_of_the_tube_comes_back_to_where_the_reference_stands() -> No
     assert elapsed[again] == elapsed[lost]  # the clock stood
     assert error(data)[-5000:].max() < 1e-5
     check_limits(data.isel(time=slice(again, None)))
+    check_tracked(data.isel(time=slice(again - 1, None)))
 
 
-@pytest.mark.parametrize("rho", [0.85, 1.2])
+@pytest.mark.parametrize("rho", [0.8, 1.2])
 @pytest.mark.parametrize("law", [{}, {"P": 0.5}])
 def test_disturbances_and_another_mass_do_not_keep_it_from_the_circle(rho: float, law: dict[str, float]) -> None:
     values = ELSEWHERE | {"rho[1]": rho, "rho[2]": rho} | law
     data = run("circle", 25.0, {"d[1]": 0.2, "d[2]": -0.2}, parameters=values)
-    check_limits(data)
+    check_limits(data.isel(time=following(data)))
     assert following(data)[-1] and error(data)[following(data)].max() < 5e-3
 
 
 def test_another_law_is_taken() -> None:
-    tracker = B.tracker(B.circle(), B.pole_placement(gains=[(125.0, 75.0, 15.0)] * 2))
+    tracker = B.tracker(B.circle(), B.pole_placement(gains=[[125.0, 75.0, 15.0]] * 2))
     data = br.simulate(B.rest_to_trajectory(tracker_block=tracker), 20.0, parameters=ELSEWHERE, record=RECORD)
     check_limits(data)
     check_tracked(data)
@@ -231,7 +233,7 @@ def test_references_without_heading_or_end_are_refused() -> None:
 
 
 def test_numpy_and_c_agree() -> None:
-    values = {"x_start": 2**0.5 + 0.001, "theta_start": 0.002}
+    values = {"x_start": 2**0.5, "y_start": -0.01, "theta_start": 0.02}
     native, plain = (br.simulate(loop("circle"), 0.2, step_size=2e-3, parameters=values, record=RECORD, engine=engine)
                      for engine in ("native", "numpy"))  # fmt: skip
     assert following(native)[-1]
