@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing
 from brunovsky.comparison.figures.traces import START, Drawn, add_legend, draw_limits, drawable, layers, place_handles
-from brunovsky.comparison.metrics import Array, instants, values
+from brunovsky.comparison.metrics import Array, error_names, instants, values
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.study import Scenario
 
@@ -36,7 +36,7 @@ def phase_figure(comparison: Comparison, scenario: Scenario) -> Figure:
 
 def _error_plane(run: Run, chain: int) -> tuple[Array, Array]:
     """Error of a chain (m) and its rate (m/s), by central differences."""
-    time, error = instants(run.trajectory), values(run.trajectory, f"e{chain}[1]")
+    time, error = instants(run.trajectory), values(run.trajectory, error_names(run.trajectory)[chain - 1])
     keep = np.abs(error) <= drawing.LARGEST
     time, error = time[keep], error[keep]
     return (error, np.gradient(error, time)) if error.size > 1 else (error, np.zeros_like(error))
@@ -62,6 +62,7 @@ def _draw_portrait(axes: Axes, planes: list[tuple[int, Array, Array]]) -> None:
     for _, x, y in planes:
         if axes.get_xscale() == "linear":
             axes.plot(x, y, alpha=0.0)  # sets the limits
+            axes.ticklabel_format(scilimits=(-3, 4))
     for index, x, y in planes:
         axes.plot(*drawing.drawn_once(axes, x, y), **drawing.style(index))
         axes.plot(x[:1], y[:1], markerfacecolor="#ffffff", **START)

@@ -17,7 +17,7 @@ from brunovsky.comparison.figures.traces import (
     shown,
     transient_window,
 )
-from brunovsky.comparison.metrics import SETTLED, position_error
+from brunovsky.comparison.metrics import SETTLED, error_names, position_error
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.study import Scenario
 
@@ -31,8 +31,9 @@ def errors_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     figure = drawing.new_figure(9.4, 2.9, **_ROW)
     distance, *chains = figure.subplots(1, 3)
     _draw_distance(distance, laws, window)
-    for axes, name, label in zip(chains, ("e1[1]", "e2[1]"), ("x − x_d, m", "y − y_d, m"), strict=True):
-        draw_signal(axes, laws, name, window)
+    for axes, chain, label in zip(chains, (0, 1), ("x − x_d, m", "y − y_d, m"), strict=True):
+        for one in laws:
+            draw_signal(axes, [one], error_names(one[2].trajectory)[chain], window)
         drawing.signed_decades(axes, 1e-3, at_least=SETTLED)
         axes.set_title(label.replace("_d", "$_\\mathrm{d}$"), loc="left")
     add_legend(figure, [(index, law) for index, law, _ in laws])
