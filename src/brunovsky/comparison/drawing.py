@@ -67,8 +67,12 @@ REFERENCE: dict[str, Any] = {"color": "#000000", "linewidth": 0.8, "linestyle": 
 
 
 def style(index: int) -> dict[str, Any]:
-    """Line properties of the law with this index in the study."""
-    one = STYLES[index % len(STYLES)]
+    """Line properties of the law with this index in the study; beyond the styles, the same colours in dots of a row."""
+    turn, index = divmod(index, len(STYLES))
+    one = STYLES[index]
+    if turn:
+        dots = (0, (3, 1, *(1, 1) * (turn + index % 2)))
+        return {"color": one.color, "linewidth": 1.2, "linestyle": dots, "zorder": one.order + 5.0 * turn}
     return {"color": one.color, "linewidth": one.width, "linestyle": one.dash, "zorder": one.order}
 
 
@@ -148,6 +152,7 @@ def drawn_once(axes: Axes, x: Array, y: Array) -> tuple[Array, Array]:
     A stroke joins two points of a grid with a width of a third of a point (1/72 inch); where one is left out, the curve
     is broken by not-a-number.
     """
+    axes.get_xlim(), axes.get_ylim()  # limits that follow from what was drawn are set when they are asked for
     points = axes.transData.transform(np.column_stack((x, y)))
     cells = np.round(points * (_GRID / axes.figure.dpi)).astype(np.int64)
     moved = np.concatenate(([True], np.any(cells[1:] != cells[:-1], axis=1)))

@@ -62,6 +62,7 @@ def _draw_portrait(axes: Axes, planes: list[tuple[int, Array, Array]]) -> None:
     for _, x, y in planes:
         if axes.get_xscale() == "linear":
             axes.plot(x, y, alpha=0.0)  # sets the limits
+            axes.ticklabel_format(scilimits=(-3, 4))
     for index, x, y in planes:
         axes.plot(*drawing.drawn_once(axes, x, y), **drawing.style(index))
         axes.plot(x[:1], y[:1], markerfacecolor="#ffffff", **START)

@@ -18,7 +18,7 @@ from brunovsky.comparison.figures.traces import (
     transient_window,
 )
 from brunovsky.comparison.metrics import SETTLED, error_names, position_error
-from brunovsky.comparison.run import Comparison, Run
+from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.study import Scenario
 
 _ROW = {"left": 0.055, "right": 0.985, "bottom": 0.16, "top": 0.8, "wspace": 0.27}
@@ -31,9 +31,9 @@ def errors_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     figure = drawing.new_figure(9.4, 2.9, **_ROW)
     distance, *chains = figure.subplots(1, 3)
     _draw_distance(distance, laws, window)
-    for axes, name, label in zip(chains, (0, 1), ("x − x_d, m", "y − y_d, m"), strict=True):
-        for index, law, run in laws:
-            draw_signal(axes, [(index, law, run)], _own_error(run, name), window)
+    for axes, chain, label in zip(chains, (0, 1), ("x − x_d, m", "y − y_d, m"), strict=True):
+        for one in laws:
+            draw_signal(axes, [one], error_names(one[2].trajectory)[chain], window)
         drawing.signed_decades(axes, 1e-3, at_least=SETTLED)
         axes.set_title(label.replace("_d", "$_\\mathrm{d}$"), loc="left")
     add_legend(figure, [(index, law) for index, law, _ in laws])
@@ -89,9 +89,3 @@ def _draw_distance(axes: Axes, laws: Drawn, window: float) -> None:
     axes.set_title(f"position error, m;  dotted: {SETTLED * 100:g} cm", loc="left")
     axes.set_xlim(0.0, window)
     axes.set_xlabel("time, s")
-
-
-def _own_error(run: Run, chain: int) -> str:
-    """Name of the error of a chain as the law has it; the true one where it records none."""
-    own = f"e{chain + 1}[1]"
-    return own if own in run.trajectory else error_names(run.trajectory)[chain]

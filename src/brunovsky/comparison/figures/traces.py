@@ -19,6 +19,7 @@ Drawn = Sequence[tuple[int, Law, Run]]
 POINT: dict[str, Any] = {"linestyle": "none", "color": "#000000", "zorder": 8.0}
 START = {**POINT, "marker": "o", "markersize": 6.0}
 END = {**POINT, "marker": "o", "markersize": 4.5}
+_LEGEND_ROW, _TITLE, _MARGIN = 0.19, 0.39, 0.08  # inches: a row of the legend, what is below it with and without titles
 TARGET = {**POINT, "marker": "x", "markersize": 7.0, "markeredgewidth": 1.8}
 
 
@@ -77,7 +78,21 @@ def add_legend(figure: Figure, laws: Sequence[tuple[int, Law]], more: Sequence[L
     """Legend of the laws, above everything."""
     handles = [Line2D([], [], label=law.title or law.name, **drawing.style(index)) for index, law in laws] + list(more)
     columns = min(len(handles), 4 if figure.get_figwidth() > 9.0 else 3)
+    _make_room(figure, -(-len(handles) // columns))
     figure.legend(handles=handles, loc="outside upper center", ncols=columns, frameon=False, columnspacing=1.4)
+
+
+def _make_room(figure: Figure, rows: int) -> None:
+    """Let a figure of a fixed layout grow at its top until the rows of a legend fit above its titles."""
+    if figure.get_layout_engine() is not None:
+        return
+    height, sides = float(figure.get_figheight()), figure.subplotpars
+    titled = any(axes.get_title(loc="left") for axes in figure.axes)
+    needed = _LEGEND_ROW * rows + (_TITLE if titled else _MARGIN)
+    grown = max(0.0, needed - (1.0 - sides.top) * height)
+    if grown > 0.0:
+        figure.set_figheight(height + grown)
+        figure.subplots_adjust(top=1.0 - needed / (height + grown), bottom=sides.bottom * height / (height + grown))
 
 
 def place_handles(regulation: set[bool]) -> list[Line2D]:
