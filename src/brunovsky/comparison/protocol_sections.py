@@ -105,7 +105,7 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
         table=table_of(key, rows, f"{explanation.title}, “{scenario}”"),
         findings=(*findings, *_agreement(one)),
         caption=f"{explanation.title}, “{scenario}”.",
-        headline=findings[-1] if findings else "",
+        headline=result.headline() if isinstance(result, MonteCarlo | Map) else findings[-1] if findings else "",
     )
 
 

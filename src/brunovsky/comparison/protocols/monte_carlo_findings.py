@@ -35,6 +35,23 @@ def monte_carlo_findings(study: MonteCarlo) -> list[str]:
     return told
 
 
+def monte_carlo_headline(study: MonteCarlo) -> str:
+    """The first metric under each law: median with its interval, and in how many cases there is none."""
+    metric = study.metrics[0]
+    parts = []
+    for one in study.summaries:
+        if one.metric != metric:
+            continue
+        failed = sum(trial.failure is not None for trial in study.trials if trial.law == one.law)
+        missing = sum(value is None for value in study.values(one.law, metric)) - failed
+        text = (
+            f"{interval(one.median)} under “{one.law}”" if one.median.estimate is not None else f"“{one.law}” has none"
+        )
+        lost = [f"{number} {word}" for number, word in ((failed, "failed"), (missing, "without it")) if number]
+        parts.append(f"{text} ({', '.join(lost)})" if lost else text)
+    return f"Over {study.cases} drawn cases the median of the {with_unit(metric)}: {'; '.join(parts)}."
+
+
 def interval(one: Estimate, digits: int = 3) -> str:
     """Estimate with its interval, or with the reason why there is none."""
     if one.estimate is None:
