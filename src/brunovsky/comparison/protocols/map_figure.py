@@ -74,6 +74,8 @@ def _lines(result: Map, titles: Titles) -> Figure:
             axes.set_yscale("log")
         for index, law in enumerate(result.laws):
             failed = np.flatnonzero(result.failed(law)[0])
+            if not failed.size:
+                continue
             where: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "linestyle": "none", "clip_on": False}
             color = drawing.STYLES[index % len(drawing.STYLES)].color
             spots = [result.across.values[k] for k in failed]

@@ -152,8 +152,10 @@ class Map:
         if not parts:
             return f"Over {keys} no metric of “{law}” is converged anywhere."
         failed = ", ".join(f"{int(self.failed(one).sum())} (“{one}”)" for one in self.laws)
-        runs = self.shape[0] * self.shape[1]
-        return f"Over {keys}, under “{law}”, {joined(parts)} vary at least; of {runs} runs each there failed {failed}."
+        return (
+            f"Over {keys} there vary, under “{law}” and where converged with the step, {joined(parts)}; of "
+            f"{self.shape[0] * self.shape[1]} runs under each law there failed {failed}."
+        )
 
     def _place(self, index: int) -> str:
         row, column = np.unravel_index(index, self.shape)
