@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import xarray as xr
@@ -14,7 +14,7 @@ from brunovsky.analysis import resting_poses
 from brunovsky.comparison.agreement import Agreement
 from brunovsky.comparison.coupling_runs import run_coupling
 from brunovsky.comparison.cross_check import agreement_with
-from brunovsky.comparison.engines import Engine, NativeSimulation, check_outcome
+from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, check_outcome
 from brunovsky.comparison.margin_runs import run_margins
 from brunovsky.comparison.metrics import compute_metrics
 from brunovsky.comparison.protocols import (
@@ -51,6 +51,7 @@ from brunovsky.comparison.study.protocols import (
 from brunovsky.errors import StudyError
 
 WORST = 10  # cases that are drawn as paths
+Measured: TypeAlias = Mapping[str, float | None] | Failure
 Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo | Map | MeasuredLoopMargins | Coupling
 
 
@@ -115,7 +116,7 @@ class _Trials:
     count: int = 0
     agreement: list[Agreement] = field(default_factory=list)
 
-    def __call__(self, law: str, parameters: Mapping[str, float], case: int) -> Mapping[str, float | None] | Failure:
+    def __call__(self, law: str, parameters: Mapping[str, float], case: int) -> Measured:
         """Metrics of one run, or why it has none."""
         self.progress(self.count)
         planned = self._planned(law, parameters, case)
@@ -123,9 +124,17 @@ class _Trials:
         self.count += 1
         if self.engine is not self.native and self.count & (self.count - 1) == 0:  # the 1st, 2nd, 4th, 8th, ...
             self.agreement.append(agreement_with(self.native, planned, self.engine, outcome))
-        if outcome.status.state != "ok":
-            return Failure(outcome.status.message, outcome.status.state == "singular")
-        return compute_metrics(outcome.trajectory, **planned.measured).as_dict()
+        return _measured(planned, outcome)
+
+    def at_half_step(
+        self, law: str, parameters: Mapping[str, float], case: int
+    ) -> Mapping[str, float | None] | Failure:
+        """Metrics of the native simulation of the same run at half its step, or why it has none."""
+        self.progress(self.count)
+        planned = self._planned(law, parameters, case)
+        planned = replace(planned, step_size=0.5 * planned.step_size)
+        self.count += 1
+        return _measured(planned, check_outcome(self.native.run(planned), planned))
 
     def drawn(self) -> dict[str, tuple[float, ...]]:
         """Poses by key, a value for each case."""
@@ -144,6 +153,12 @@ class _Trials:
     def pose(self, case: int) -> dict[str, float]:
         """Start and heading of the goal of one case, by the keys of the study; nothing unless poses are drawn."""
         return {} if self.poses is None else {key: float(one[case]) for key, one in self.poses.items()}
+
+
+def _measured(planned: PlannedRun, outcome: Outcome) -> Measured:
+    if outcome.status.state != "ok":
+        return Failure(outcome.status.message, outcome.status.state == "singular")
+    return compute_metrics(outcome.trajectory, **planned.measured).as_dict()
 
 
 def run_protocol(
@@ -211,6 +226,7 @@ def run_protocol(
             _axis(table.up) if table.up else None,
             metrics=table.metrics,
             step_sensitive=step_sensitive,
+            finer=trials.at_half_step,
         )
     else:
         trials.seed = study.seed

@@ -25,7 +25,6 @@ from brunovsky.comparison.protocols import (
     map_figure,
     margins_figure,
     monte_carlo_figure,
-    monte_carlo_headline,
     pareto_figure,
     swept_figure,
 )
@@ -122,8 +121,8 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
 
 def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
     """What the verdict says of a protocol: of the metric that the study names first, or of the fronts."""
-    if isinstance(result, MonteCarlo):
-        return monte_carlo_headline(result)
+    if isinstance(result, MonteCarlo | Map):
+        return result.headline()
     if isinstance(result, EqualEffort):
         findings = [one for one in findings if one.startswith("At equal effort")] or findings
     if not findings:

@@ -46,7 +46,7 @@ def _heat_maps(result: Map, titles: Titles) -> Figure:
                     edgecolors="face",
                 )  # fmt: skip
                 _contours(axes, result.across, result.up, one, norm)
-            _crosses(axes, result, law, one)
+            _crosses(axes, result, law, metric, one)
             sensitive = " (depends on the step)" if metric in result.step_sensitive else ""
             axes.set_title(f"{phrase(metric)}{sensitive}\n{titles.get(law) or law}", loc="left", fontsize=8.0)
         if mesh is not None:
@@ -74,6 +74,8 @@ def _lines(result: Map, titles: Titles) -> Figure:
             axes.set_yscale("log")
         for index, law in enumerate(result.laws):
             failed = np.flatnonzero(result.failed(law)[0])
+            if not failed.size:
+                continue
             where: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "linestyle": "none", "clip_on": False}
             color = drawing.STYLES[index % len(drawing.STYLES)].color
             spots = [result.across.values[k] for k in failed]
@@ -115,13 +117,16 @@ def _contours(axes: Axes, across: Axis, up: Axis, values: Any, norm: Normalize) 
         text.set_path_effects([withStroke(linewidth=2.0, foreground="#ffffff")])
 
 
-def _crosses(axes: Axes, result: Map, law: str, values: Any) -> None:
-    """A cross where the run failed, a ring where it ended but the metric is undefined."""
+def _crosses(axes: Axes, result: Map, law: str, metric: str, values: Any) -> None:
+    """A cross where the run failed, a ring where the metric is undefined, a dot where the step decides on it."""
     assert result.up is not None
     failed = result.failed(law)
     x, y = np.meshgrid(result.across.values, result.up.values)
-    for marker, where in (("x", failed), ("o", ~np.isfinite(values) & ~failed)):
-        spots: dict[str, Any] = {"linestyle": "none", "color": "#000000", "markersize": 3.5, "fillstyle": "none"}
+    known = np.isfinite(values)
+    unsure = known & ~result.converged(law, metric)
+    for marker, where, size in (("x", failed, 3.5), ("o", ~known & ~failed, 3.5), (".", unsure, 2.0)):
+        spots: dict[str, Any] = {"linestyle": "none", "color": "#000000", "markersize": size}
+        spots |= {"fillstyle": "none"} if marker == "o" else {}
         axes.plot(x[where], y[where], marker=marker, **spots)
 
 

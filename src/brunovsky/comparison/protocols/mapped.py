@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from brunovsky.comparison.definitions import UNREACHED
-from brunovsky.comparison.facts import given, number, percent
+from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import (
     Evaluate,
@@ -54,6 +54,8 @@ class Map:
         Law by law, row by row.
     step_sensitive : frozenset of str
         Metrics that depend on the step.
+    finer : tuple of Trial
+        The same runs at half the step; empty where these were not made.
     explanation : Explanation
         The map in words.
     """
@@ -63,6 +65,7 @@ class Map:
     metrics: tuple[str, ...]
     trials: tuple[Trial, ...]
     step_sensitive: frozenset[str] = frozenset()
+    finer: tuple[Trial, ...] = ()
     explanation: Explanation = MAP
 
     @property
@@ -77,7 +80,22 @@ class Map:
 
     def grid(self, law: str, metric: str) -> Array:
         """A metric of a law, shape of the map; not a number where it is undefined or the run failed."""
-        found = [one.value(metric) for one in self.trials if one.law == law]
+        return self._values(self.trials, law, metric)
+
+    def converged(self, law: str, metric: str) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Where a metric changes by at most one per cent at half the step, shape of the map."""
+        values = self.grid(law, metric)
+        if not self.finer:
+            return np.isfinite(values)
+        finer = self._values(self.finer, law, metric)
+        return np.asarray(np.abs(finer - values) <= CONVERGED * np.abs(values))
+
+    def sure(self, law: str, metric: str) -> Array:
+        """The metric where it is converged; not a number elsewhere."""
+        return np.where(self.converged(law, metric), self.grid(law, metric), math.nan)
+
+    def _values(self, trials: Sequence[Trial], law: str, metric: str) -> Array:
+        found = [one.value(metric) for one in trials if one.law == law]
         return np.array([math.nan if one is None else one for one in found]).reshape(self.shape)
 
     def failed(self, law: str) -> np.ndarray[Any, np.dtype[np.bool_]]:
@@ -93,15 +111,16 @@ class Map:
         """One row for each law and metric: its extremes over the map, and where they are."""
         found = []
         for metric, law in itertools.product(self.metrics, self.laws):
-            values = self.grid(law, metric)
+            values, sure = self.grid(law, metric), self.sure(law, metric)
             row: dict[str, Any] = {"law": law, "metric": metric, "unit": unit(metric)}
             row |= {"runs": values.size, "failed": int(self.failed(law).sum())}
             row["undefined"] = int(np.isnan(values).sum()) - row["failed"]
-            if np.isfinite(values).any():
-                low, high = np.nanargmin(values), np.nanargmax(values)
-                row |= {"least": float(values.flat[low]), "at": self._place(int(low))}
-                row |= {"median": float(np.nanmedian(values))}
-                row |= {"largest": float(values.flat[high]), "there": self._place(int(high))}
+            row["not converged"] = int(np.sum(np.isfinite(values) & ~np.isfinite(sure)))
+            if np.isfinite(sure).any():
+                low, high = np.nanargmin(sure), np.nanargmax(sure)
+                row |= {"least": float(sure.flat[low]), "at": self._place(int(low))}
+                row |= {"median": float(np.nanmedian(sure))}
+                row |= {"largest": float(sure.flat[high]), "there": self._place(int(high))}
             found.append(row)
         return found
 
@@ -115,11 +134,28 @@ class Map:
         told = failures_told(self.trials)
         for metric in self.metrics:
             told += [self._range(law, metric) for law in self.laws]
-            if metric in self.step_sensitive:
+            if metric in self.step_sensitive and not self.finer:
                 told.append(f"The {phrase(metric)} depends on the step of the simulation: it ranks no law.")
                 continue
             told += [self._difference(*pair, metric) for pair in itertools.combinations(self.laws, 2)]
         return told
+
+    def headline(self) -> str:
+        """The one sentence for a verdict: by what factor each metric varies over the map under the first law."""
+        law, parts = self.laws[0], []
+        for metric in self.metrics:
+            known = self.sure(law, metric)
+            known = known[np.isfinite(known) & (known > 0.0)]
+            if known.size:
+                parts.append(f"the {phrase(metric)} by a factor of {number(float(known.max() / known.min()), 2)}")
+        keys = self.across.key if self.up is None else f"{self.across.key} and {self.up.key}"
+        if not parts:
+            return f"Over {keys} no metric of “{law}” is converged anywhere."
+        failed = ", ".join(f"{int(self.failed(one).sum())} (“{one}”)" for one in self.laws)
+        return (
+            f"Over {keys} there vary, under “{law}” and where converged with the step, {joined(parts)}; of "
+            f"{self.shape[0] * self.shape[1]} runs under each law there failed {failed}."
+        )
 
     def _place(self, index: int) -> str:
         row, column = np.unravel_index(index, self.shape)
@@ -127,10 +163,10 @@ class Map:
         return text if self.up is None else f"{text}, {self.up.key} = {given(self.up.values[int(row)])}"
 
     def _range(self, law: str, metric: str) -> str:
-        values, what = self.grid(law, metric), phrase(metric)
-        known = np.isfinite(values)
-        if not known.any():
-            return f"Under “{law}” the {what} is defined nowhere on the map."
+        every, values, what = self.grid(law, metric), self.sure(law, metric), phrase(metric)
+        known = np.isfinite(every)
+        if not np.isfinite(values).any():
+            return f"Under “{law}” the {what} is defined, and converged with the step, nowhere on the map."
         low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
         size = f"\u00a0{unit(metric)}" if unit(metric) else ""
         text = (
@@ -142,6 +178,9 @@ class Map:
         if missing:
             late = ", as it is beyond the end of the run" if metric in UNREACHED else ""
             text += f"; in {missing} of {values.size} runs it is undefined{late}"
+        unsure = int(np.sum(known & ~np.isfinite(values)))
+        if unsure:
+            text += f"; in {unsure} it changes by more than {percent(CONVERGED)} at half the step, and is left out"
         return f"{text}."
 
     def _factor(self, values: Array) -> str:
@@ -161,16 +200,16 @@ class Map:
         )
 
     def _difference(self, first: str, second: str, metric: str) -> str:
-        a, b = self.grid(first, metric), self.grid(second, metric)
+        a, b = self.sure(first, metric), self.sure(second, metric)
         both = np.isfinite(a) & np.isfinite(b)
         what, count = phrase(metric), int(both.sum())
         if not count:
-            return f"“{first}” and “{second}” have no point of the map with the {what} of both."
+            return f"“{first}” and “{second}” have no point of the map with the {what} of both converged."
         size = np.maximum(np.abs(a[both]), np.abs(b[both]))
         change = np.divide(b[both] - a[both], size, out=np.zeros(count), where=size > 0.0)
         lower, higher = int((change < -HARDLY).sum()), int((change > HARDLY).sum())
         text = f"By the {what} “{second}” is lower than “{first}” in {lower} and higher in {higher} of {count} points"
-        rest = f" where both have it, by more than {percent(HARDLY)} of the larger"
+        rest = f" where both have it converged, by more than {percent(HARDLY)} of the larger"
         return f"{text}{rest}; in the other {count - lower - higher} the two hardly differ."
 
 
@@ -183,6 +222,7 @@ def mapped(
     metrics: Sequence[str],
     case: int = 0,
     step_sensitive: Collection[str] = (),
+    finer: Evaluate | None = None,
 ) -> Map:
     """Run every law at every point of a grid, all else as it is.
 
@@ -199,7 +239,9 @@ def mapped(
     case : int
         Number of the case.
     step_sensitive : collection of str
-        Metrics by which no law may be ranked.
+        Metrics by which no law may be ranked, unless each run is held against one at half the step.
+    finer : Evaluate, optional
+        Makes the same run at half the step; what changes by more than one per cent then is in no sentence.
 
     Raises
     ------
@@ -215,5 +257,9 @@ def mapped(
         raise ParameterError(f"mapped: both axes are {up.key}; give two keys, or one axis")
     rows: list[dict[str, float]] = [{}] if up is None else [{up.key: value} for value in up.values]
     points = [{**row, across.key: value} for row in rows for value in across.values]
-    trials = [attempt(evaluate, law, {**fixed, **point}, case) for law, fixed in laws.items() for point in points]
-    return Map(across, up, tuple(metrics), tuple(trials), frozenset(step_sensitive))
+
+    def run(one: Evaluate) -> tuple[Trial, ...]:
+        return tuple(attempt(one, law, {**fixed, **point}, case) for law, fixed in laws.items() for point in points)
+
+    halved = () if finer is None else run(finer)
+    return Map(across, up, tuple(metrics), run(evaluate), frozenset(step_sensitive), halved)
