@@ -71,9 +71,9 @@ MONTE_CARLO = Explanation(
 MAP = Explanation(
     "Map",
     "Each law is run from every point of the same grid, all else equal; one scale of lightness holds for all laws, "
-    "with lines of equal value. A cross is a run that failed, a ring one that ended without the metric being defined, a "
-    "dot one whose number changes by more than one per cent at half the step: it is in no sentence and no extreme. A map "
-    "is no protocol of fairness: it shows how a law depends on what is swept, and where.",
+    "with lines of equal value. A cross is a run that failed, a ring one that ended without the metric being defined, "
+    "a dot one whose number changes by more than one per cent at half the step: it is in no sentence and no extreme. "
+    "A map is no protocol of fairness: it shows how a law depends on what is swept, and where.",
     "Each point is one run, without spread. Between the points nothing was run: narrow valleys and ridges, such as the "
     "starts that pass near the singularity, are drawn only as finely as the grid is, and extremes are those of the "
     "grid. Laws are not tuned, and no point is more likely than another.",
