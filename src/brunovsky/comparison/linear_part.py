@@ -75,6 +75,8 @@ def predicted_residual(planned: PlannedRun, law: Law) -> float | None:
     e (k1 + j w k2 - w^2 k3 - j w^3) = d1 (k3 + 2 j w) + j eta1 d2. For a saturation K is that of the boundary layer;
     for the sign function what remains is the unmatched part. None where this doesn't apply.
     """
+    if not law.in_family:
+        return None
     p = planned.parameters
     if not any(planned.inputs.values()) or p["radius"] == 0.0 or p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0:
         return None
