@@ -74,7 +74,10 @@ def test_the_shipped_study_is_what_its_summary_was_written_from():
     points = sum(len(grid.loops) for grid in study.chatter_grids())
     committed = resource("comparisons", "chatter.md").read_text(encoding="utf-8")
     assert 40 <= points <= 80 and f"from the {points} points" in committed
-    assert re.findall(r"^## (.*)$", committed, flags=re.MULTILINE)[1:] == [one.title for one in study.chatter]
+    assert re.findall(r"^## (.*)$", committed, flags=re.MULTILINE)[1:] == [
+        *(one.title for one in study.chatter),
+        "Chatter, predicted and measured",
+    ]
 
 
 @pytest.mark.slow
@@ -85,6 +88,5 @@ def test_the_shipped_study():
     every = [row for _, part in found.grids for row in part]
     assert len([row for row in every if not row.linear_part_stable]) > 5
     assert largest_error(every, "locus", "amplitude") < 1e-3
-    assert outline(chatter_markdown(found)) == outline(
-        resource("comparisons", "chatter.md").read_text(encoding="utf-8")
-    )
+    committed = resource("comparisons", "chatter.md").read_text(encoding="utf-8")
+    assert outline(chatter_markdown(found)) == outline(committed.split("## Chatter, predicted and measured")[0])

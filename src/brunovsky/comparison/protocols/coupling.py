@@ -117,8 +117,8 @@ class Coupling:
             return told
         wrong = [key for key in known if not self._agrees(key)]
         text = (
-            f"For {len(known) - len(wrong)} of {len(known)} couplings the error grows beyond {number(self.large)} m "
-            "only at steps above the predicted limit of stability, and at all such steps that were tried"
+            f"For {len(known) - len(wrong)} of {len(known)} couplings the error exceeds {number(self.large)} m only "
+            "at steps above the predicted limit of stability, and at all such steps that were tried"
         )
         if wrong:
             text += (
