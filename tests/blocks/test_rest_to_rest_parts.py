@@ -8,7 +8,10 @@ import sympy as sp
 from scipy.integrate import quad
 from scipy.optimize import minimize
 
+import brunovsky as br
+from brunovsky.blocks.engine import NumpyEngine
 from brunovsky.blocks.library.heading import direction
+from brunovsky.blocks.library.rest_to_rest.course import EDGE, NEVER, course
 from brunovsky.blocks.library.rest_to_rest.path import PARAMETER, Pose, curvature, hermite, path_speed
 from brunovsky.blocks.library.rest_to_rest.reference import Drive, Reference
 from brunovsky.blocks.library.rest_to_rest.timing import (
@@ -157,3 +160,69 @@ def test_a_regular_start_has_its_acceleration_along_the_heading() -> None:
     assert first.norm() == 0
     assert float(second.dot(h)) == pytest.approx(1.2) and float(second.dot(across)) == pytest.approx(0, abs=1e-12)
     assert float(third.dot(across)) == pytest.approx(0, abs=1e-12)  # j_perp = 0: the yaw rate begins at 0
+
+
+CURVE = sp.Matrix([sp.sin(PARAMETER) + PARAMETER, 2 * PARAMETER - sp.cos(PARAMETER / 2)])
+
+
+def test_a_clocked_reference_is_the_curve_differentiated_in_time() -> None:
+    begin, time, speed, acceleration, scale = 0.0, 9.0, 0.7, 0.5, 2.0
+    drive = Drive(*map(sp.Float, (begin, time, speed, acceleration)))
+    path = [CURVE.diff(PARAMETER, k) if k else CURVE for k in range(4)]
+    reference = Reference.driven(path, drive, sp.S.One, sp.Float(scale))
+    clock = speed / scale * sp.integrate(rise(TIME / rise_time(speed, acceleration)), (TIME, 0, TIME))
+    exact = CURVE.subs(PARAMETER, clock)
+    tangent = exact.diff(TIME)
+    yaw_rate = (tangent[0] * tangent[1].diff(TIME) - tangent[1] * tangent[0].diff(TIME)) / tangent.dot(tangent)
+    wanted = [*(one for k in (1, 2, 3) for one in exact.diff(TIME, k)), yaw_rate, yaw_rate.diff(TIME)]
+    found = [*(one for each in reference.derivatives for one in each), reference.yaw_rate, reference.yaw_acceleration]
+    for now in (0.2, 1.1, 1.9):  # while the clock's rate rises
+        at = {PARAMETER: clock.subs(TIME, now), TIME: sp.Float(now)}
+        for one, other in zip(found, wanted, strict=True):
+            assert float(_settled(one, drive).subs(at)) == pytest.approx(float(other.subs(TIME, now)), rel=1e-9)
+
+
+def test_a_clocked_reference_starts_regularly() -> None:
+    drive = Drive(*map(sp.Float, (0.0, 9.0, 0.7, 0.5)))
+    path = [CURVE.diff(PARAMETER, k) if k else CURVE for k in range(4)]
+    reference = Reference.driven(path, drive, sp.S.One, sp.Float(2.0))
+    at = {PARAMETER: sp.Float(0.6), TIME: sp.S.Zero}
+    first, second, third, heading = (
+        _settled(one, drive).subs(at) for one in (*reference.derivatives, reference.direction)
+    )
+    across = sp.Matrix([-heading[1], heading[0]])
+    assert first.norm() == 0
+    assert float(second.dot(heading)) > 0
+    assert float(second.dot(across)) == pytest.approx(0, abs=1e-12)
+    assert float(third.dot(across)) == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("reference", "values", "span"),
+    [
+        (br.blocks.circle(), {}, NEVER),
+        (br.blocks.polynomial(), {}, 4.0 - 2 * EDGE),
+        (br.blocks.polynomial(), {"start_time": -1.0}, 3.0 - 2 * EDGE),
+        (br.blocks.polynomial(), {"start_time": 2.0, "duration": 1.0}, 1.0 - 2 * EDGE),
+        (br.blocks.polynomial(), {"start_time": 2.0, "start_velocity[1]": 1.0}, 6.0 - EDGE),
+        (br.blocks.polynomial(), {"end_velocity[1]": 1.0}, NEVER),
+        (br.blocks.waypoints([[0, 0], [1, 2], [3, 3]], [-0.5, 2.0, 4.0]), {}, 4.0 - 2 * EDGE),
+    ],
+)
+def test_a_course_ends_where_its_reference_comes_to_rest(
+    reference: br.Block, values: dict[str, float], span: float
+) -> None:
+    block = course(reference)
+    assert not block.failed_checks(block.parameter_values(values), "start")
+    engine = NumpyEngine(block)
+    engine.set_parameters(values)
+    engine.initialize()
+    found = dict(zip((one.name for one in block.outputs), engine.outputs(), strict=True))
+    assert found["span"] == pytest.approx(span, abs=1e-8)
+    assert np.hypot(found["Z1d[2]"], found["Z2d[2]"]) > 0
+
+
+def test_a_course_that_is_over_is_refused() -> None:
+    block = course(br.blocks.polynomial())
+    assert block.failed_checks(block.parameter_values({"start_time": -5.0}), "start")
+    assert block.failed_checks(block.parameter_values({"end[2]": 0.0}), "start")

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from brunovsky._frozen import FrozenMapping
 from brunovsky.analysis import ChatterRow, chatter_table
 from brunovsky.comparison.analyze_figures import analysis_figures
-from brunovsky.comparison.analyzed_loops import AnalyzedLaw, analyzed_laws
+from brunovsky.comparison.analyzed_loops import AnalyzedLaw, analyzed_laws, family_runs, laws_outside
 from brunovsky.comparison.analyzed_runs import AnalyzedRun, analyzed_run
 from brunovsky.comparison.output import plain, write_text
 from brunovsky.comparison.run import Progress, study_provenance
@@ -29,7 +29,7 @@ class Analysis:
     study : Study
         What was asked for.
     laws : tuple of AnalyzedLaw
-        Poles, margins and so on of each law.
+        Poles, margins and so on of each law of the paper's family; what is of another kind is not analysed.
     runs : tuple of AnalyzedRun
         Reaching, bounds and singularity, scenario by scenario, law by law.
     chatter : tuple of tuple of ChatterRow
@@ -79,7 +79,7 @@ def analyze_study(study: Study | str | Path, *, progress: Progress | None = None
         If the study file cannot be used, or a chatter table asks for a period that is too fine to be followed.
     """
     loaded = study if isinstance(study, Study) else load_study(study)
-    plan, grids = loaded.plan(), loaded.chatter_grids()
+    plan, grids = family_runs(loaded), loaded.chatter_grids()
     total = len(plan) + sum(len(grid.loops) for grid in grids)
     step = _counter(total, progress or (lambda done, total, what: None))
     step("laws", 0)
@@ -152,6 +152,7 @@ def analysis_data(analysis: Analysis) -> dict[str, Any]:
         "study": study.name,
         "provenance": {**plain(analysis.provenance), "resolved_study": study.model_dump(mode="json")},
         "laws": plain(analysis.laws),
+        "laws_not_analyzed": list(laws_outside(study)),
         "runs": plain(analysis.runs),
         "chatter": [{"grid": grid.title, **plain(row)} for grid, rows in analysis.grids for row in rows],
     }

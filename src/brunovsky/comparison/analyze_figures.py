@@ -36,10 +36,9 @@ def analysis_figures(analysis: Analysis, progress: Progress | None = None) -> di
     """SVG of each figure by its name: those of the laws, then those of the chatter grids."""
     loops = loops_by_name(analysis.laws)
     stable = {name: loop for name, loop in loops.items() if loop.stable}
-    makers: dict[str, Callable[[], Figure]] = {
-        "poles": lambda: _poles(loops),
-        "root-locus": lambda: _root_locus(analysis),
-    }
+    makers: dict[str, Callable[[], Figure]] = {}
+    if loops:
+        makers |= {"poles": lambda: _poles(loops), "root-locus": lambda: _root_locus(analysis)}
     if stable:
         makers |= {
             "loop": lambda: loop_figure(stable),
@@ -153,7 +152,7 @@ def _input_sensitivity(analysis: Analysis) -> Figure:
     axes = figure.subplots()
     point = {"x": 0.0, "y": 0.0, "theta": 0.0, "eta_1": 1.0, "eta_2": 0.0, "u_1": 0.0}
     input_sensitivity_plot(robot_linearization(), "eta_1", _SPEEDS, point, ax=axes)
-    guards = sorted({run.parameters["eta_min"] for run in analysis.study.plan()})
+    guards = sorted({run.guard for run in analysis.study.plan() if run.guard is not None})
     for guard in guards:
         if guard > 0.0:
             axes.axvline(guard, color="#000000", linewidth=1.0, linestyle=":", label=f"eta_min = {given(guard)} m/s")

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from brunovsky.analysis import ChatterRow, DiskMargin, Margins
 from brunovsky.comparison.analyze import Analysis
-from brunovsky.comparison.analyzed_loops import AnalyzedLoop, loops_by_name
+from brunovsky.comparison.analyzed_loops import AnalyzedLoop, laws_outside, loops_by_name
 from brunovsky.comparison.analyzed_runs import ActuatorMargins, AnalyzedRun
 from brunovsky.comparison.facts import given, number
 from brunovsky.comparison.study.chatter_grid import ChatterGrid
@@ -64,6 +64,9 @@ def _laws(analysis: Analysis) -> Table:
             poles_text(law.surface_poles),
             given(law.matched_disturbance_bound),
         )
+    outside = laws_outside(analysis.study)
+    if outside:
+        _footnote(table, f"Not analysed, as they are of another kind: {', '.join(map(escape, outside))}.")
     return table
 
 

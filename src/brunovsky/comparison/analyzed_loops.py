@@ -114,6 +114,11 @@ def family_runs(study: Study) -> tuple[PlannedRun, ...]:
     return tuple(run for run in study.plan() if run.in_family)
 
 
+def laws_outside(study: Study) -> tuple[str, ...]:
+    """Laws of a study that are of another kind, and are not analysed."""
+    return tuple(law.name for law in study.laws if not law.in_family)
+
+
 def law_numbers(run: PlannedRun) -> tuple[float, ...]:
     """C[1], C[2], C[3], Q, P and phi of a run."""
     return tuple(run.parameters[name] for name in ("C[1]", "C[2]", "C[3]", "Q", "P", "phi"))

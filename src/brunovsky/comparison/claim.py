@@ -61,7 +61,7 @@ def is_nominal(run: Run) -> bool:
 
 def is_regulation(run: Run) -> bool:
     """Whether the reference is a point."""
-    return run.planned.parameters["radius"] == 0.0
+    return run.planned.target is not None
 
 
 def has_printed_gains(run: Run) -> bool:

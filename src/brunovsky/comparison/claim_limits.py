@@ -143,9 +143,9 @@ def _turned(run: Run, twin: Run, law: str) -> Finding:
 
 
 def heading(comparison: Comparison, cases: list[Case]) -> Finding | None:
-    """Whether the heading ends where it began, from the runs whose final heading is converged."""
+    """Whether the heading ends where it began, from the runs that settle and whose final heading is converged."""
     runs = [run for _, found in cases for run in found.values() if is_regulation(run)]
-    sure = [run for run in runs if heading_converged(run)]
+    sure = [run for run in runs if heading_converged(run) and run.metrics.settling_time is not None]
     if not sure:
         return None
     away = [min(abs(one) for one in _away(run)) for run in sure]
@@ -157,7 +157,7 @@ def heading(comparison: Comparison, cases: list[Case]) -> Finding | None:
     )
     if len(sure) < len(runs):
         laws = joined(sorted({f"“{run.planned.law}”" for run in runs if run not in sure}))
-        text += f"; under {laws} where it ends is not converged with the step, and not counted"
+        text += f"; under {laws} it does not settle, or where it ends is not converged with the step: not counted"
     return Finding("confirmed" if max(away) > AIMED else "contradicted", f"{text}.")
 
 

@@ -73,13 +73,13 @@ _TESTS: tuple[tuple[str, str, Test], ...] = (
 
 
 def claims(comparison: Comparison) -> list[Claim]:
-    """All claims of the paper, each with what the runs of this study say to it; in the order of the paper's quotes."""
+    """All claims of the paper, each with what the runs under its laws say to it; in the order of the paper's quotes."""
     cases: list[Case] = []
     for scenario in comparison.study.scenarios:
-        good = {name: run for name, run in comparison.of(scenario).items() if run.ok}
+        good = {name: run for name, run in comparison.of(scenario).items() if run.ok and run.planned.in_family}
         if good:
             cases.append((scenario, good))
-    failed = [run.planned.name for run in comparison.runs if not run.ok]
+    failed = [run.planned.name for run in comparison.runs if not run.ok and run.planned.in_family]
     return [_claim(quote, needs, test(comparison, cases), failed) for quote, needs, test in _TESTS]
 
 

@@ -21,9 +21,10 @@ def scenario_findings(comparison: Comparison, scenario: Scenario) -> list[str]:
     paragraphs = [failure(law, run) for law, run in pairs if not run.ok]
     if not good:
         return [*paragraphs, "No run of this scenario reached its end, so there is nothing to compare."]
-    first = good[0][1].planned.parameters
-    if first["radius"] == 0.0:
-        parts = [convergence(good), peaks(good), rest(good), steady_state(good), chatter(good), heading(good)]
+    if good[0][1].planned.target is not None:
+        free = [one for one in good if one[1].planned.guard is not None]
+        parts = [convergence(good), peaks(good), rest(free), steady_state(good), chatter(good)]
+        parts += [arrival(good), heading(free)]
     else:
         parts = [convergence(good), peaks(good), steady_state(good), chatter(good)]
     return [*paragraphs, *(" ".join(filter(None, group)) for group in (parts[:2], parts[2:]))]
@@ -95,16 +96,16 @@ def peaks(good: Good) -> str:
     """Peaks of speed and yaw acceleration, and when they occur."""
     runs = [run for _, run, _ in good]
     yaw = max(run.metrics.peak_yaw_acceleration or 0.0 for run in runs)
-    p = runs[0].planned.parameters
+    planned = runs[0].planned
     speeds, yaws = spread_of(runs, "peak_speed", "m/s"), spread_of(runs, "peak_yaw_acceleration", "rad/s²")
     if yaw < 1e-3:
         return f"The speed stays at {speeds}, and |u₂| below 0.001 rad/s²."
     facts = good[0][2]
-    target = (p["center[1]"] + p["radius"] * math.cos(p["phase"]), p["center[2]"] + p["radius"] * math.sin(p["phase"]))
-    distance = math.hypot(p["x_start"] - target[0], p["y_start"] - target[1])
+    distance = math.dist([planned.parameters[name] for name in ("x_start", "y_start")], planned.aim)
     away = f" over an initial error of {number(distance)} m" if distance > ROUNDING else ""
     text = f"The speed peaks at {speeds}{away}, the yaw acceleration at {yaws}"
-    if any(abs(one.peak_yaw_time - facts.peak_yaw_time) > 0.01 for _, _, one in good):
+    divides = all(run.planned.guard is not None for run in runs)
+    if not divides or any(abs(one.peak_yaw_time - facts.peak_yaw_time) > 0.01 for _, _, one in good):
         return text + "."
     when = "right at the start" if facts.peak_yaw_time == 0.0 else f"at {seconds(facts.peak_yaw_time)}"
     return (
@@ -113,7 +114,9 @@ def peaks(good: Good) -> str:
 
 
 def rest(good: Good) -> str:
-    """In regulation: that the robot ends at the singularity, where the guard acts."""
+    """In regulation: that the robot ends at the singularity, where the guard acts; of laws that have one."""
+    if not good:
+        return ""
     shares = [facts.guarded_share for _, _, facts in good]
     firsts = [facts.guarded_first for _, _, facts in good if facts.guarded_first is not None]
     limit = given(good[0][1].planned.parameters["eta_min"])
@@ -136,8 +139,27 @@ def rest(good: Good) -> str:
     )
 
 
+def arrival(good: Good) -> str:
+    """When the robot rests at the goal, and how far its heading is from the goal's, where the task names one."""
+    told_of = [(law, run) for law, run, _ in good if run.metrics.final_heading_error is not None]
+    if not told_of:
+        return ""
+    arrived = [
+        f"{seconds(run.metrics.arrival_time)} ({law.name})"
+        for law, run in told_of
+        if run.metrics.arrival_time is not None
+    ]
+    never = [f"“{law.name}”" for law, run in told_of if run.metrics.arrival_time is None]
+    text = f"The robot rests at the goal, with its heading, after {joined(arrived)}. " if arrived else ""
+    text += f"Under {joined(never)} it does not rest there within the run. " if never else ""
+    ends = [f"{told(run, 'final_heading_error', 2)} rad ({law.name})" for law, run in told_of]
+    return f"{text}In the end the heading is off the goal’s by {joined(ends)}, modulo 2π."
+
+
 def heading(good: Good) -> str:
-    """In regulation: the heading, which nothing controls."""
+    """In regulation: the heading, which nothing controls under these laws."""
+    if not good:
+        return ""
     start = number(good[0][2].heading_start)
     sure = [(law, facts) for law, run, facts in good if heading_converged(run)]
     moved = [

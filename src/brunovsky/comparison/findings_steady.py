@@ -30,8 +30,9 @@ def steady_state(good: Good) -> str:
         return f"Over the last quarter the error is nil for every purpose under each law (below 1 nm RMS){uncertain}."
     parts = []
     for law, run, _ in good:
-        expected = predicted_residual(run.planned, law) if within_bounds(run) or law.kind == "linear" else None
-        expected = predicted_noise(run.planned, law) if expected is None else expected
+        expected = predicted_residual(run.planned, law) if _predictable(law, run) else None
+        if expected is None and law.in_family:
+            expected = predicted_noise(run.planned, law)
         text = f"{told(run, 'rms_tail_error')} m ({law.name}"
         parts.append(text + (f"; predicted {number(expected)} m)" if expected else ")"))
     text = f"Over the last quarter the RMS error is {joined(parts)}."
@@ -41,6 +42,11 @@ def steady_state(good: Good) -> str:
     if nominal or planned.noise or "sign" not in by_kind or "linear" not in by_kind:
         return text
     return text + _rejection(by_kind["sign"], by_kind["linear"])
+
+
+def _predictable(law: Law, run: Run) -> bool:
+    """Whether a residual is predicted: for the paper's laws, where P rejects what it can or there is none."""
+    return law.in_family and (law.kind == "linear" or within_bounds(run))
 
 
 def _idle_mismatch(good: Good) -> str:

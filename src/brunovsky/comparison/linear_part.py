@@ -42,8 +42,13 @@ class LinearLoop:
 
 
 def linear_loops(study: Study) -> tuple[LinearLoop, ...]:
-    """Linear loops of the study's first scenario: the shared part, and each law within its boundary layer."""
-    first = study.plan()[0].parameters
+    """Linear loops of the first run under the paper's law: the shared part, and each law within its boundary layer.
+
+    None where no law is of that family.
+    """
+    first = next((run.parameters for run in study.plan() if run.in_family), None)
+    if first is None:
+        return ()
     surface = [first[f"C[{k}]"] for k in (1, 2, 3)]
     loops = [_loop("shared linear part (P = 0)", sliding_gain(surface, first["Q"]))]
     for law in study.laws:
@@ -54,23 +59,17 @@ def linear_loops(study: Study) -> tuple[LinearLoop, ...]:
 
 
 def motion_on_surface(study: Study) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
-    """Poles of the motion on S = 0 of the study's first scenario, 1/s."""
-    first = study.plan()[0].parameters
+    """Poles of the motion on S = 0 of the first run under the paper's law, 1/s; none without one."""
+    first = next((run.parameters for run in study.plan() if run.in_family), None)
+    if first is None:
+        return np.empty(0, dtype=np.complex128)
     return np.asarray(surface_poles([first[f"C[{k}]"] for k in (1, 2, 3)]))
 
 
 def shares_one_linear_part(study: Study) -> bool:
-    """Whether all runs under the paper's law have the same C and Q."""
-    return (
-        len(
-            {
-                tuple(run.parameters[name] for name in ("C[1]", "C[2]", "C[3]", "Q"))
-                for run in study.plan()
-                if run.in_family
-            }
-        )
-        == 1
-    )
+    """Whether all runs under the paper's laws have the same C and Q."""
+    names = ("C[1]", "C[2]", "C[3]", "Q")
+    return len({tuple(run.parameters[name] for name in names) for run in study.plan() if run.in_family}) <= 1
 
 
 def _loop(title: str, gain: Array) -> LinearLoop:

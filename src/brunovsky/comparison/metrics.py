@@ -17,6 +17,7 @@ from brunovsky.comparison.chatter_metrics import Chatter, chatter
 
 SETTLED = 0.01  # m; the position error below which a run counts as settled
 REACHED = 0.01  # m/s2; the least band about S = 0 that counts as reached: no sampled relay holds S at zero
+ARRIVED = (5e-3, 0.02, 1e-3, 1e-3)  # m, rad, m/s, rad/s; off by no more than these the robot rests at the goal
 TAIL = 0.75  # the last quarter begins at this part of the duration
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -62,6 +63,11 @@ class Metrics:
         Half ranges of u1 (m/s2) and u2 (rad/s2) within a period of the chatter.
     chatter_samples : float or None
         Recorded instants in a period of the chatter.
+    final_heading_error : float or None
+        Magnitude of the heading's error at the end, modulo 2 pi (rad); None where no heading of the goal is given.
+    arrival_time : float or None
+        Last time the pose is off the goal by more than 5 mm or 0.02 rad, or the robot moves faster than 1 mm/s or
+        1 mrad/s (s); 0 if never, None if it still is so at the end or no heading of the goal is given.
     """
 
     iae: float | None = None
@@ -89,13 +95,21 @@ class Metrics:
     chatter_amplitude_u1: float | None = None
     chatter_amplitude_u2: float | None = None
     chatter_samples: float | None = None
+    final_heading_error: float | None = None
+    arrival_time: float | None = None
 
     def as_dict(self) -> dict[str, float | None]:
         """The same by name, ready for JSON."""
         return asdict(self)
 
 
-def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None, band: float | None = None) -> Metrics:
+def compute_metrics(
+    trajectory: xr.Dataset,
+    *,
+    layer: float | None = None,
+    band: float | None = None,
+    goal_heading: float | None = None,
+) -> Metrics:
     """Metrics of a complete trajectory.
 
     Parameters
@@ -110,11 +124,15 @@ def compute_metrics(trajectory: xr.Dataset, *, layer: float | None = None, band:
     band : float, optional
         Within which S counts as reached (m/s2): one for all laws that are compared; by default the layer, at least
         0.01 m/s2.
+    goal_heading : float, optional
+        Heading that the robot should have at the end (rad), where the task names one.
     """
     if band is None:
         band = max(layer or 0.0, REACHED)
     with np.errstate(over="ignore", invalid="ignore"):
         found = _of_motion(trajectory) | _of_jerk(trajectory) | _of_switching(trajectory, layer, band)
+        if goal_heading is not None:
+            found |= _of_arrival(trajectory, goal_heading)
     return Metrics(**{name: _finite(value) for name, value in found.items()})
 
 
@@ -177,6 +195,22 @@ def _of_switching(trajectory: xr.Dataset, layer: float | None, band: float) -> d
         return found
     inputs = [values(trajectory, name)[last] for name in ("u[1]", "u[2]")]
     return found | _of_chatter(chatter(time[last], [S[last] for S in surfaces], inputs, layer))
+
+
+def _of_arrival(trajectory: xr.Dataset, goal_heading: float) -> dict[str, float | None]:
+    turn = values(trajectory, "theta") - goal_heading
+    turn = np.abs(turn - 2.0 * math.pi * np.round(turn / (2.0 * math.pi)))
+    speed, rate = (np.abs(values(trajectory, name)) for name in ("eta[1]", "eta[2]"))
+    off = np.max(
+        [
+            position_error(trajectory) / ARRIVED[0],
+            turn / ARRIVED[1],
+            speed / ARRIVED[2],
+            rate / ARRIVED[3],
+        ],
+        axis=0,
+    )
+    return {"final_heading_error": float(turn[-1]), "arrival_time": settling_time(instants(trajectory), off, 1.0)}
 
 
 def _of_chatter(found: Chatter | None) -> dict[str, float | None]:

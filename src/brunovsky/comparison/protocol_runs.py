@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import xarray as xr
@@ -12,18 +12,25 @@ import xarray as xr
 from brunovsky._frozen import FrozenMapping
 from brunovsky.analysis import resting_poses
 from brunovsky.comparison.agreement import Agreement
+from brunovsky.comparison.coupling_runs import run_coupling
 from brunovsky.comparison.cross_check import agreement_with
-from brunovsky.comparison.engines import Engine, NativeSimulation, check_outcome
+from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, check_outcome
+from brunovsky.comparison.margin_runs import run_margins
 from brunovsky.comparison.metrics import compute_metrics
 from brunovsky.comparison.protocols import (
+    Axis,
+    Coupling,
     Distribution,
     EqualEffort,
     Failure,
     Knob,
+    Map,
+    MeasuredLoopMargins,
     MonteCarlo,
     Pareto,
     Swept,
     equal_effort,
+    mapped,
     monte_carlo,
     noise_seed,
     pareto,
@@ -32,7 +39,11 @@ from brunovsky.comparison.protocols import (
 from brunovsky.comparison.study import PlannedRun, Study
 from brunovsky.comparison.study.keys import unit_suffix
 from brunovsky.comparison.study.protocols import (
+    AxisTable,
+    CouplingTable,
     EqualEffortTable,
+    MapTable,
+    MarginsTable,
     ParetoTable,
     Protocol,
     SweptTable,
@@ -40,7 +51,8 @@ from brunovsky.comparison.study.protocols import (
 from brunovsky.errors import StudyError
 
 WORST = 10  # cases that are drawn as paths
-Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo
+Measured: TypeAlias = Mapping[str, float | None] | Failure
+Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo | Map | MeasuredLoopMargins | Coupling
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +85,7 @@ class ProtocolRun:
     ----------
     table : Protocol
         What was asked for.
-    result : Swept, EqualEffort, Pareto or MonteCarlo
+    result : Swept, EqualEffort, Pareto, MonteCarlo, Map, MeasuredLoopMargins or Coupling
         What came out.
     agreement : tuple of Agreement
         Of the trials that were repeated by the native simulation.
@@ -104,7 +116,7 @@ class _Trials:
     count: int = 0
     agreement: list[Agreement] = field(default_factory=list)
 
-    def __call__(self, law: str, parameters: Mapping[str, float], case: int) -> Mapping[str, float | None] | Failure:
+    def __call__(self, law: str, parameters: Mapping[str, float], case: int) -> Measured:
         """Metrics of one run, or why it has none."""
         self.progress(self.count)
         planned = self._planned(law, parameters, case)
@@ -112,9 +124,17 @@ class _Trials:
         self.count += 1
         if self.engine is not self.native and self.count & (self.count - 1) == 0:  # the 1st, 2nd, 4th, 8th, ...
             self.agreement.append(agreement_with(self.native, planned, self.engine, outcome))
-        if outcome.status.state != "ok":
-            return Failure(outcome.status.message, outcome.status.state == "singular")
-        return compute_metrics(outcome.trajectory, layer=planned.layer, band=planned.band).as_dict()
+        return _measured(planned, outcome)
+
+    def at_half_step(
+        self, law: str, parameters: Mapping[str, float], case: int
+    ) -> Mapping[str, float | None] | Failure:
+        """Metrics of the native simulation of the same run at half its step, or why it has none."""
+        self.progress(self.count)
+        planned = self._planned(law, parameters, case)
+        planned = replace(planned, step_size=0.5 * planned.step_size)
+        self.count += 1
+        return _measured(planned, check_outcome(self.native.run(planned), planned))
 
     def drawn(self) -> dict[str, tuple[float, ...]]:
         """Poses by key, a value for each case."""
@@ -133,6 +153,12 @@ class _Trials:
     def pose(self, case: int) -> dict[str, float]:
         """Start and heading of the goal of one case, by the keys of the study; nothing unless poses are drawn."""
         return {} if self.poses is None else {key: float(one[case]) for key, one in self.poses.items()}
+
+
+def _measured(planned: PlannedRun, outcome: Outcome) -> Measured:
+    if outcome.status.state != "ok":
+        return Failure(outcome.status.message, outcome.status.state == "singular")
+    return compute_metrics(outcome.trajectory, **planned.measured).as_dict()
 
 
 def run_protocol(
@@ -161,6 +187,10 @@ def run_protocol(
     StudyError
         If the effort that is to be equalled is undefined.
     """
+    if isinstance(table, MarginsTable):
+        return ProtocolRun(table, run_margins(study, table, native, progress), (), (), FrozenMapping({}))
+    if isinstance(table, CouplingTable):
+        return ProtocolRun(table, run_coupling(study, table, progress), (), (), FrozenMapping({}))
     trials = _Trials(study, table, engine, native, progress)
     laws: dict[str, Mapping[str, float]] = {law.name: {} for law in study.laws_of_protocol(table)}
     worst: tuple[Path, ...] = ()
@@ -188,6 +218,16 @@ def run_protocol(
             seed=study.seed,
             step_sensitive=step_sensitive,
         )
+    elif isinstance(table, MapTable):
+        result = mapped(
+            trials,
+            laws,
+            _axis(table.across),
+            _axis(table.up) if table.up else None,
+            metrics=table.metrics,
+            step_sensitive=step_sensitive,
+            finer=trials.at_half_step,
+        )
     else:
         trials.seed = study.seed
         if table.resting_poses_within_m is not None:
@@ -205,6 +245,10 @@ def run_protocol(
         if table.worst is not None:
             worst = _worst(result, table.worst, trials)
     return ProtocolRun(table, result, tuple(trials.agreement), worst, FrozenMapping(trials.drawn()))
+
+
+def _axis(table: AxisTable) -> Axis:
+    return Axis(table.knob, table.values)
 
 
 def _target(table: EqualEffortTable, trials: _Trials) -> float:

@@ -216,7 +216,7 @@ def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:
 def _measured(planned: PlannedRun, outcome: Outcome) -> tuple[Metrics, Facts | None]:
     if outcome.status.state != "ok":
         return Metrics(), None
-    metrics = compute_metrics(outcome.trajectory, layer=planned.layer, band=planned.band)
+    metrics = compute_metrics(outcome.trajectory, **planned.measured)
     return metrics, compute_facts(outcome.trajectory)
 
 

@@ -5,20 +5,23 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from brunovsky.analysis import disk_margin, loop_transfer
 from brunovsky.comparison.condition_words import what_acts
-from brunovsky.comparison.definitions import CONTRACT_METRICS
+from brunovsky.comparison.definitions import METRIC_DEFINITIONS
 from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import MARK, both, converged, sensitivity, told
 
-METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in CONTRACT_METRICS)
+METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in METRIC_DEFINITIONS)
 MARGIN_ROWS = (
     ("gain_lower", "lower gain margin (factor)", 1.0),
     ("gain_upper", "upper gain margin (factor)", 1.0),
     ("phase", "phase margin, degrees", 180.0 / math.pi),
     ("gain_crossover", "gain crossover, rad/s", 1.0),
     ("modulus", "modulus margin", 1.0),
+    ("max_sensitivity", "Ms", 1.0),
+    ("disk_margin", "disk margin", 1.0),
     ("delay", "longest delay, ms", 1e3),
     ("lag", "longest first-order lag, ms", 1e3),
     ("two_lags", "two equal lags, each at most, ms", 1e3),
@@ -79,11 +82,13 @@ def conditions(run: Run) -> str:
     where = f"({given(p['x_start'])} m, {given(p['y_start'])} m, {given(p['theta_start'])} rad)"
     text = f"{given(run.planned.duration)} s from (x, y, θ) = {where} with η₁ = {given(p['eta_start[1]'])} m/s"
     others = {"η₂": ("eta_start[2]", "rad/s"), "u₁": ("u_start[1]", "m/s²")}
-    text += "".join(f", {name} = {given(p[key])} {unit}" for name, (key, unit) in others.items() if p[key] != 0.0)
-    center = f"({given(p['center[1]'])} m, {given(p['center[2]'])} m)"
-    if p["radius"] == 0.0:
-        text += f" to rest at {center}"
+    text += "".join(f", {name} = {given(p[key])} {unit}" for name, (key, unit) in others.items() if p.get(key))
+    if run.planned.target is not None:
+        text += f" to rest at ({given(run.planned.target[0])} m, {given(run.planned.target[1])} m)"
+        heading = run.planned.goal_heading
+        text += "" if heading is None else f" with heading {given(heading)} rad"
     else:
+        center = f"({given(p['center[1]'])} m, {given(p['center[2]'])} m)"
         text += f", along a circle of radius {given(p['radius'])} m about {center} at {given(p['rate'])} rad/s"
     extra = what_acts(run.planned)
     return f"{text}; {', '.join(extra)}." if extra else f"{text}."
@@ -101,9 +106,14 @@ def loop_row(loop: LinearLoop) -> dict[str, str]:
 def margin_rows(loops: list[LinearLoop]) -> list[tuple[str, list[str]]]:
     """Label and one cell for each loop."""
     return [
-        (label, ["unstable" if one.margins is None else number(scale * getattr(one.margins, name), 4) for one in loops])
+        (label, ["unstable" if one.margins is None else _margin(one, name, scale) for one in loops])
         for name, label, scale in MARGIN_ROWS
     ]
+
+
+def _margin(one: LinearLoop, name: str, scale: float) -> str:
+    found = disk_margin(loop_transfer(one.gain)).radius if name == "disk_margin" else getattr(one.margins, name)
+    return number(scale * found, 4)
 
 
 def poles_text(poles: Any) -> str:

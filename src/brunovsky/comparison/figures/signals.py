@@ -53,9 +53,11 @@ def inputs_figure(comparison: Comparison, scenario: Scenario) -> Figure:
         drawing.signed_decades(axes, 1.0, at_least=10.0)
         axes.set_title(label, loc="left")
     draw_signal(speed, laws, "eta[1]", window)
-    draw_limits(speed, [run.planned.parameters["eta_min"] for _, _, run in laws])
+    guards = [run.planned.guard for _, _, run in laws if run.planned.guard is not None]
+    draw_limits(speed, guards)
     drawing.signed_decades(speed, 0.1, at_least=0.1)
-    speed.set_title("velocity η₁, m/s;  dotted: ±$\\eta_\\mathrm{min}$", loc="left")
+    note = ";  dotted: ±$\\eta_\\mathrm{min}$" if guards else ""
+    speed.set_title(f"velocity η₁, m/s{note}", loc="left")
     add_legend(figure, [(index, law) for index, law, _ in laws])
     return figure
 

@@ -1,10 +1,13 @@
 """Four protocols of fairness: what is held equal when laws are compared, as functions over one evaluation.
 
 `swept` holds the linear part, `equal_effort` the effort in a physical input, `pareto` the tuning budget, `monte_carlo`
-the draws. Each takes a function that runs a law with parameters in a case and returns its metrics, and gives a frozen
+the draws; `mapped` is a map, which holds nothing equal but the grid.
+Each takes a function that runs a law with parameters in a case and returns its metrics, and gives a frozen
 result with rows for CSV, plain data for JSON, a figure, and sentences that are never stronger than its numbers.
 """
 
+from brunovsky.comparison.protocols.coupling import Coupling
+from brunovsky.comparison.protocols.coupling_figure import coupling_figure
 from brunovsky.comparison.protocols.draws import Distribution, draw_case, noise_seed
 from brunovsky.comparison.protocols.equal_effort import EqualEffort, equal_effort
 from brunovsky.comparison.protocols.evaluation import Evaluate, Failure, Trial, step_sensitive_metrics
@@ -15,6 +18,10 @@ from brunovsky.comparison.protocols.figures import (
     pareto_figure,
     swept_figure,
 )
+from brunovsky.comparison.protocols.map_figure import map_figure
+from brunovsky.comparison.protocols.mapped import Axis, Map, mapped
+from brunovsky.comparison.protocols.margins import MarginRow, MeasuredLoopMargins
+from brunovsky.comparison.protocols.margins_figure import margins_figure
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo, monte_carlo
 from brunovsky.comparison.protocols.monte_carlo_findings import monte_carlo_headline
 from brunovsky.comparison.protocols.pareto import Pareto, pareto
@@ -22,20 +29,29 @@ from brunovsky.comparison.protocols.swept import Swept, swept
 from brunovsky.comparison.protocols.tuning import Knob, Tuning
 
 __all__ = [
+    "Axis",
+    "Coupling",
     "Distribution",
     "EqualEffort",
     "Evaluate",
     "Explanation",
     "Failure",
     "Knob",
+    "Map",
+    "MarginRow",
+    "MeasuredLoopMargins",
     "MonteCarlo",
     "Pareto",
     "Swept",
     "Trial",
     "Tuning",
+    "coupling_figure",
     "draw_case",
     "equal_effort",
     "equal_effort_figure",
+    "map_figure",
+    "mapped",
+    "margins_figure",
     "monte_carlo",
     "monte_carlo_figure",
     "monte_carlo_headline",

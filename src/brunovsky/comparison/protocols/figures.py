@@ -17,12 +17,14 @@ from brunovsky.comparison.facts import power_of_ten
 from brunovsky.comparison.protocols.equal_effort import EqualEffort
 from brunovsky.comparison.protocols.evaluation import Trial, phrase, with_unit
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo
+from brunovsky.comparison.protocols.paired import Difference
 from brunovsky.comparison.protocols.pareto import Pareto
 from brunovsky.comparison.protocols.swept import Swept
 from brunovsky.comparison.statistics import Estimate
 
 MARKERS = ("o", "s", "D", "^", "v", "P")
 _WIDTH = 9.4
+_DRAWN = 1e-9  # share of the largest value, below which a distribution is not told apart
 _DECADES = 30.0  # ratio of the ends from which an axis is logarithmic
 
 Titles = Mapping[str, str]
@@ -113,8 +115,10 @@ def pareto_figure(result: Pareto, titles: Titles | None = None) -> Figure:
 def monte_carlo_figure(result: MonteCarlo, titles: Titles | None = None) -> Figure:
     """For each metric its distribution under each law and the paired differences; the rates below."""
     rows = len(result.metrics) + 1
-    figure = drawing.new_figure(_WIDTH, 0.5 + 2.1 * rows)
-    grid = figure.subplots(rows, 2)
+    pairs = len(result.laws) * (len(result.laws) - 1) // 2
+    heights = [max(2.1, 0.6 + 0.27 * pairs)] * len(result.metrics) + [max(2.1, 0.6 + 0.27 * len(result.laws))]
+    figure = drawing.new_figure(_WIDTH, 0.5 + sum(heights))
+    grid = figure.subplots(rows, 2, height_ratios=heights)
     for row, metric in enumerate(result.metrics):
         _draw_distributions(grid[row, 0], result, metric)
         _draw_differences(grid[row, 1], result, metric)
@@ -136,16 +140,21 @@ def monte_carlo_figure(result: MonteCarlo, titles: Titles | None = None) -> Figu
 
 
 def _draw_distributions(axes: Axes, result: MonteCarlo, metric: str) -> None:
-    shown: list[float] = []
+    shown = [value for law in result.laws for value in result.values(law, metric) if value is not None]
+    least = _least_drawn(shown)
     for index, law in enumerate(result.laws):
-        known = sorted(value for value in result.values(law, metric) if value is not None)
-        shown += known
+        known = sorted(max(value, least) for value in result.values(law, metric) if value is not None)
         share = np.arange(1, len(known) + 1) / result.cases
         axes.plot(known, share, drawstyle="steps-post", **drawing.style(index))
-    _scale(axes, shown, "x")
+    _scale(axes, [max(value, least) for value in shown], "x")
     axes.set_ylim(0.0, 1.02)
     axes.set_ylabel("share of cases")
     axes.set_title(_marked(metric, result.step_sensitive), loc="left")
+
+
+def _least_drawn(values: Sequence[float]) -> float:
+    """What smaller values are drawn at: nothing if any is negative, else nine decades below the largest."""
+    return -math.inf if not values or min(values) < 0.0 else _DRAWN * max(values)
 
 
 def _draw_differences(axes: Axes, result: MonteCarlo, metric: str) -> None:
@@ -157,7 +166,17 @@ def _draw_differences(axes: Axes, result: MonteCarlo, metric: str) -> None:
     axes.set_yticks(range(len(pairs)), [f"{one.first} − {one.second}" for one in pairs])
     axes.set_ylim(max(len(pairs), 1) - 0.5, -0.5)
     axes.xaxis.set_major_locator(MaxNLocator(6))
+    _spread_signed(axes, pairs)
     axes.set_title("paired differences: ● median, ■ mean", loc="left")
+
+
+def _spread_signed(axes: Axes, pairs: Sequence[Difference]) -> None:
+    """Logarithmic on both sides of zero where the differences are decades apart."""
+    sizes = [abs(one.estimate) for pair in pairs for one in (pair.median, pair.mean) if one.estimate]
+    ends = [abs(end) for pair in pairs for one in (pair.median, pair.mean) for end in (one.low, one.high) if end]
+    if sizes and max(sizes) > _DECADES**2 * min(sizes):
+        smallest = max(min(sizes), 1e-4 * max(sizes))
+        drawing.signed_scale(axes, "x", 10.0 ** math.floor(math.log10(smallest)), max(*sizes, *ends))
 
 
 def _draw_interval(axes: Axes, height: float, one: Estimate, index: int) -> None:

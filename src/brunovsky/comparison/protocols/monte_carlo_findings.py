@@ -36,6 +36,25 @@ def monte_carlo_findings(study: MonteCarlo) -> list[str]:
 
 
 def monte_carlo_headline(study: MonteCarlo) -> str:
+    """The first metric under each law: median with its interval, and in how many cases there is none."""
+    metric = study.metrics[0]
+    parts = []
+    for one in study.summaries:
+        if one.metric != metric:
+            continue
+        failed = sum(trial.failure is not None for trial in study.trials if trial.law == one.law)
+        missing = sum(value is None for value in study.values(one.law, metric)) - failed
+        text = (
+            f"{interval(one.median)} under “{one.law}”" if one.median.estimate is not None else f"“{one.law}” has none"
+        )
+        lost = [f"{number} {word}" for number, word in ((failed, "failed"), (missing, "without it")) if number]
+        parts.append(f"{text} ({', '.join(lost)})" if lost else text)
+    medians = f"Over {study.cases} drawn cases the median of the {with_unit(metric)}: {'; '.join(parts)}."
+    ranked = _ranking(study)
+    return f"{medians} {ranked}" if ranked else medians
+
+
+def _ranking(study: MonteCarlo) -> str:
     """Which laws no other beats by the first metric that may rank, as far as the intervals tell laws apart."""
     metric = next((one for one in study.metrics if one not in study.step_sensitive), None)
     pairs = [one for one in study.differences if one.metric == metric]

@@ -7,6 +7,7 @@ from brunovsky.comparison.facts import CONVERGED, given, joined
 from brunovsky.comparison.features import features
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import converged
+from brunovsky.comparison.study.loops import AIMS_AT_HEADING
 
 _LACKING = {
     "noise": "measurement noise",
@@ -21,7 +22,7 @@ _LACKING = {
 def limits(comparison: Comparison, claims: list[Claim]) -> list[str]:
     """Sentences, each true of this study."""
     study, plan = comparison.study, comparison.study.plan()
-    parameters = [run.parameters for run in plan]
+    regulated = [run.guard for run in plan if run.target is not None and run.guard is not None]
     found = [_lacking(comparison)]
     if any(one.figure is not None for one in study.scenarios):
         found.append(
@@ -31,15 +32,20 @@ def limits(comparison: Comparison, claims: list[Claim]) -> list[str]:
             "numbers, is "
             "not claimed."
         )
-    if any(one["radius"] == 0.0 for one in parameters):
-        guards = joined(sorted({given(one["eta_min"]) for one in parameters if one["radius"] == 0.0}))
+    if regulated:
+        guards = joined(sorted(map(given, set(regulated))))
         found.append(
             "With η_min near 0 the regulation is chaotic: starts that differ by rounding end apart, some runs do "
             "not end, "
-            f"and u₂ is unbounded. No number is given for that case. All regulation here is with η_min = {guards} m/s; "
+            f"and u₂ is unbounded. No number is given for that case. All regulation here that divides by η₁ is with "
+            f"η_min = {guards} m/s; "
             "near rest, the yaw acceleration and the final heading depend on that choice."
         )
-    found.append("The heading is left uncontrolled: the two chains are the position alone.")
+    free = joined([f"“{law.name}”" for law in study.laws if law.kind not in AIMS_AT_HEADING])
+    if all(law.kind not in AIMS_AT_HEADING for law in study.laws):
+        found.append("The heading is left uncontrolled: the two chains are the position alone.")
+    elif any(law.kind not in AIMS_AT_HEADING for law in study.laws):
+        found.append(f"Under {free} the heading is left uncontrolled: the two chains are the position alone.")
     if all(law.kind in ("linear", "saturation", "sign") for law in study.laws):
         found.append(
             "Only the switching term is compared. Another choice of poles is another question; so is tuning each "

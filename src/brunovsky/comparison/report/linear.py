@@ -35,7 +35,9 @@ def linear_section(study: Study) -> LinearSection:
     margins = tuple((label, *cells) for label, cells in margin_rows(loops))
     named = [(one.title, one.poles) for one in loops] + [("motion on S = 0", surface)]
     poles = "Poles of the linear loops of one chain, and of the motion on S = 0."
-    pictures = [Picture(drawing.svg(figures.poles_figure(named), "poles", poles), poles, narrow=True)]
+    pictures = []
+    if loops:
+        pictures.append(Picture(drawing.svg(figures.poles_figure(named), "poles", poles), poles, narrow=True))
     bode = figures.bode_figure(study)
     if bode is not None:
         text = (

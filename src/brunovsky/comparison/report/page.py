@@ -121,7 +121,7 @@ def render(content: Content, medium: Medium) -> str:
         model=model,
         medium=medium,
         about_the_paper=bool(examined(list(content.claims))),
-        guards=joined(sorted({given(run.parameters["eta_min"]) for run in plan})),
+        guards=joined(sorted({given(run.guard) for run in plan if run.guard is not None}) or ["–"]),
         failed=[run for run in comparison.runs if not run.ok],
         agreement=agreement_data(comparison),
         engine_text=engine_text(

@@ -56,8 +56,8 @@ _FIGURES: tuple[tuple[str, Callable[[Comparison, Scenario], Figure], str], ...] 
         figures.phase_figure,
         "Above error and its rate (a projection: a chain has three states), below sliding variable and its mean "
         "rate over "
-        "each step, to the end. Dotted: the reaching law S′ = −Q S − P σ(S) without disturbance, and the boundary "
-        "layer. A "
+        "each step, to the end. Dotted: the reaching law S′ = −Q S − P σ(S) of the paper’s laws without disturbance, "
+        "and the boundary layer. A "
         "stroke that only repeats an earlier one is drawn once.",
     ),
 )
@@ -67,7 +67,7 @@ def scenario_section(comparison: Comparison, scenario: Scenario) -> ScenarioSect
     """Everything a report shows of one scenario; without figures if no run of it made a step."""
     pairs = comparison.laws_of(scenario)
     runs = [run for _, run in pairs]
-    rests = all(run.planned.parameters["radius"] == 0.0 for run in runs)
+    rests = all(run.planned.target is not None and run.planned.guard is not None for run in runs)
     caption = f"Metrics of “{scenario.title}” ({scenario.name})"
     caption += ". The robot ends at rest, the law’s singularity, where the guard acts" if rests else ""
     columns = ("metric", "unit", *(law.name for law, _ in pairs))

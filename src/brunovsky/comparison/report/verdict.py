@@ -107,6 +107,12 @@ def _difference(name: str, pairs: list[Pair]) -> str:
         aside = f"; in {_pairs(len(nil))} it is nil with and without (below 1 nm)" if nil else ""
     if all(both(run, name)[0] == 0.0 for pair in pairs for run in pair):
         return ""
+    never = [pair for pair in pairs if None in (both(run, name)[0] for run in pair)] if name == "settling_time" else []
+    if never:
+        pairs = [pair for pair in pairs if pair not in never]
+        aside = _unsettled(never)
+        if not pairs:
+            return f"is not ranked by {what}{aside.replace(';', ':', 1)}."
     known = [change for a, b in pairs for change in [sure_change(b, a, name)] if change is not None]
     left = len(pairs) - len(known)
     if not known:
@@ -114,6 +120,17 @@ def _difference(name: str, pairs: list[Pair]) -> str:
     counted = f"{_range(known)} in {_pairs(len(known))}"
     ending = f"; {left} more {'is' if left == 1 else 'are'} not converged with the step, or undefined" if left else ""
     return f"{_word(known)} {what} ({counted}{ending}{aside})."
+
+
+def _unsettled(pairs: list[Pair]) -> str:
+    """Pairs of runs of which one or both never settle to 1 cm, in words."""
+    settles = [tuple(both(run, "settling_time")[0] is not None for run in pair) for pair in pairs]
+    words = (
+        ((False, True), "it settles, and pole placement never does"),
+        ((True, False), "pole placement settles, and it never does"),
+        ((False, False), "neither ever settles"),
+    )
+    return "".join(f"; in {_pairs(settles.count(one))} {text}" for one, text in words if one in settles)
 
 
 def _word(changes: list[float]) -> str:

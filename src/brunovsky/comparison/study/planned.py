@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -66,9 +67,36 @@ class PlannedRun:
         return not (any(self.inputs.values()) or self.signals or self.noise)
 
     @property
+    def is_uncertain(self) -> bool:
+        """Whether mass or inertia is not the nominal one."""
+        return any(self.parameters.get(f"rho[{k}]", 1.0) != 1.0 for k in (1, 2))
+
+    @property
     def in_family(self) -> bool:
         """Whether its law is the paper's, with P or without: C, Q, P and phi are its parameters."""
         return self.loop.controller == "sliding_mode"
+
+    @property
+    def target(self) -> tuple[float, float] | None:
+        """Point where the robot is to come to rest, m; None along a trajectory."""
+        p = self.parameters
+        if "goal[1]" in p:
+            return p["goal[1]"], p["goal[2]"]
+        return (p["center[1]"], p["center[2]"]) if p["radius"] == 0.0 else None
+
+    @property
+    def aim(self) -> tuple[float, float]:
+        """Where the reference is at the start: a point to rest at, or one of the circle, m."""
+        if self.target is not None:
+            return self.target
+        p = self.parameters
+        turn = p["radius"] * math.cos(p["phase"]), p["radius"] * math.sin(p["phase"])
+        return p["center[1]"] + turn[0], p["center[2]"] + turn[1]
+
+    @property
+    def guard(self) -> float | None:
+        """abs(eta1) up to which the linearising inner loop is regularised, m/s; None for a loop that has none."""
+        return self.parameters.get("eta_min") if "center[1]" in self.parameters else None
 
     @property
     def is_ideal(self) -> bool:
@@ -79,6 +107,11 @@ class PlannedRun:
     def layer(self) -> float | None:
         """Half-width of the boundary layer (m/s2), 0 for a relay; None for a law without the paper's switching."""
         return self.parameters.get("phi", 0.0) if self.parameters.get("P") else None
+
+    @property
+    def measured(self) -> dict[str, float | None]:
+        """What its metrics are measured against: layer, band and the heading of the goal."""
+        return {"layer": self.layer, "band": self.band, "goal_heading": self.goal_heading}
 
     @property
     def is_constant(self) -> bool:

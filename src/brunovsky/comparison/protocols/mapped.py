@@ -1,0 +1,265 @@
+"""A map: metrics of each law over one or two swept keys, such as the heading at the start."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from brunovsky.comparison.definitions import UNREACHED
+from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
+from brunovsky.comparison.output import plain
+from brunovsky.comparison.protocols.evaluation import (
+    Evaluate,
+    Trial,
+    attempt,
+    check_laws,
+    failures_told,
+    phrase,
+    unit,
+)
+from brunovsky.comparison.protocols.explanation import MAP, Explanation
+from brunovsky.errors import ParameterError
+
+HARDLY = 0.05  # relative difference up to which two laws are said to hardly differ at a point
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A key that is swept, and its values."""
+
+    key: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Map:
+    """Runs of all laws over the grid of one or two keys.
+
+    Attributes
+    ----------
+    across : Axis
+        What varies along a row.
+    up : Axis or None
+        What varies from row to row; None for one row.
+    metrics : tuple of str
+        Metrics that are told.
+    trials : tuple of Trial
+        Law by law, row by row.
+    step_sensitive : frozenset of str
+        Metrics that depend on the step.
+    finer : tuple of Trial
+        The same runs at half the step; empty where these were not made.
+    explanation : Explanation
+        The map in words.
+    """
+
+    across: Axis
+    up: Axis | None
+    metrics: tuple[str, ...]
+    trials: tuple[Trial, ...]
+    step_sensitive: frozenset[str] = frozenset()
+    finer: tuple[Trial, ...] = ()
+    explanation: Explanation = MAP
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the laws."""
+        return tuple(dict.fromkeys(one.law for one in self.trials))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of rows and columns."""
+        return (len(self.up.values) if self.up else 1), len(self.across.values)
+
+    def grid(self, law: str, metric: str) -> Array:
+        """A metric of a law, shape of the map; not a number where it is undefined or the run failed."""
+        return self._values(self.trials, law, metric)
+
+    def converged(self, law: str, metric: str) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Where a metric changes by at most one per cent at half the step, shape of the map."""
+        values = self.grid(law, metric)
+        if not self.finer:
+            return np.isfinite(values)
+        finer = self._values(self.finer, law, metric)
+        return np.asarray(np.abs(finer - values) <= CONVERGED * np.abs(values))
+
+    def sure(self, law: str, metric: str) -> Array:
+        """The metric where it is converged; not a number elsewhere."""
+        return np.where(self.converged(law, metric), self.grid(law, metric), math.nan)
+
+    def _values(self, trials: Sequence[Trial], law: str, metric: str) -> Array:
+        found = [one.value(metric) for one in trials if one.law == law]
+        return np.array([math.nan if one is None else one for one in found]).reshape(self.shape)
+
+    def failed(self, law: str) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Where the runs of a law failed, shape of the map."""
+        return np.array([one.failure is not None for one in self.trials if one.law == law]).reshape(self.shape)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One row for each run."""
+        keys = [self.across.key, *([self.up.key] if self.up else [])]
+        return [one.row(keys, self.metrics) for one in self.trials]
+
+    def summary_rows(self) -> list[dict[str, Any]]:
+        """One row for each law and metric: its extremes over the map, and where they are."""
+        found = []
+        for metric, law in itertools.product(self.metrics, self.laws):
+            values, sure = self.grid(law, metric), self.sure(law, metric)
+            row: dict[str, Any] = {"law": law, "metric": metric, "unit": unit(metric)}
+            row |= {"runs": values.size, "failed": int(self.failed(law).sum())}
+            row["undefined"] = int(np.isnan(values).sum()) - row["failed"]
+            row["not converged"] = int(np.sum(np.isfinite(values) & ~np.isfinite(sure)))
+            if np.isfinite(sure).any():
+                low, high = np.nanargmin(sure), np.nanargmax(sure)
+                row |= {"least": float(sure.flat[low]), "at": self._place(int(low))}
+                row |= {"median": float(np.nanmedian(sure))}
+                row |= {"largest": float(sure.flat[high]), "there": self._place(int(high))}
+            found.append(row)
+        return found
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same as plain data, for JSON."""
+        found: dict[str, Any] = plain(self)
+        return found | {"step_sensitive": sorted(self.step_sensitive), "findings": self.findings()}
+
+    def findings(self) -> list[str]:
+        """Sentences that follow from the numbers: failures, the range of each metric, how the laws differ."""
+        told = failures_told(self.trials)
+        for metric in self.metrics:
+            told += [self._range(law, metric) for law in self.laws]
+            if metric in self.step_sensitive and not self.finer:
+                told.append(f"The {phrase(metric)} depends on the step of the simulation: it ranks no law.")
+                continue
+            told += [self._difference(*pair, metric) for pair in itertools.combinations(self.laws, 2)]
+        return told
+
+    def headline(self) -> str:
+        """The one sentence for a verdict: by what factor each metric varies over the map under the first law."""
+        law, parts = self.laws[0], []
+        for metric in self.metrics:
+            known = self.sure(law, metric)
+            known = known[np.isfinite(known) & (known > 0.0)]
+            if known.size:
+                parts.append(f"the {phrase(metric)} by a factor of {number(float(known.max() / known.min()), 2)}")
+        keys = self.across.key if self.up is None else f"{self.across.key} and {self.up.key}"
+        if not parts:
+            return f"Over {keys} no metric of “{law}” is converged anywhere."
+        failed = ", ".join(f"{int(self.failed(one).sum())} (“{one}”)" for one in self.laws)
+        return (
+            f"Over {keys} there vary, under “{law}” and where converged with the step, {joined(parts)}; of "
+            f"{self.shape[0] * self.shape[1]} runs under each law there failed {failed}."
+        )
+
+    def _place(self, index: int) -> str:
+        row, column = np.unravel_index(index, self.shape)
+        text = f"{self.across.key} = {given(self.across.values[int(column)])}"
+        return text if self.up is None else f"{text}, {self.up.key} = {given(self.up.values[int(row)])}"
+
+    def _range(self, law: str, metric: str) -> str:
+        every, values, what = self.grid(law, metric), self.sure(law, metric), phrase(metric)
+        known = np.isfinite(every)
+        if not np.isfinite(values).any():
+            return f"Under “{law}” the {what} is defined, and converged with the step, nowhere on the map."
+        low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
+        size = f"\u00a0{unit(metric)}" if unit(metric) else ""
+        text = (
+            f"Under “{law}” the {what} is {number(values.flat[low])}{size} at least ({self._place(low)}) and "
+            f"{number(values.flat[high])}{size} at most ({self._place(high)})"
+        )
+        text += self._factor(values)
+        missing = int(np.sum(~known & ~self.failed(law)))
+        if missing:
+            late = ", as it is beyond the end of the run" if metric in UNREACHED else ""
+            text += f"; in {missing} of {values.size} runs it is undefined{late}"
+        unsure = int(np.sum(known & ~np.isfinite(values)))
+        if unsure:
+            text += f"; in {unsure} it changes by more than {percent(CONVERGED)} at half the step, and is left out"
+        return f"{text}."
+
+    def _factor(self, values: Array) -> str:
+        """By what factor the key along a row changes a metric, row by row."""
+        factors = []
+        for row in values:
+            known = row[np.isfinite(row)]
+            if known.size > 1 and known.min() > 0.0:
+                factors.append(float(known.max() / known.min()))
+        if not factors:
+            return ""
+        if len(factors) == 1:
+            return f"; {self.across.key} alone changes it by a factor of {number(factors[0], 2)}"
+        return (
+            f"; {self.across.key} alone changes it by a factor of {number(min(factors), 2)} to "
+            f"{number(max(factors), 2)}, row by row (median {number(median(factors), 2)})"
+        )
+
+    def _difference(self, first: str, second: str, metric: str) -> str:
+        a, b = self.sure(first, metric), self.sure(second, metric)
+        both = np.isfinite(a) & np.isfinite(b)
+        what, count = phrase(metric), int(both.sum())
+        if not count:
+            return f"“{first}” and “{second}” have no point of the map with the {what} of both converged."
+        size = np.maximum(np.abs(a[both]), np.abs(b[both]))
+        change = np.divide(b[both] - a[both], size, out=np.zeros(count), where=size > 0.0)
+        lower, higher = int((change < -HARDLY).sum()), int((change > HARDLY).sum())
+        text = f"By the {what} “{second}” is lower than “{first}” in {lower} and higher in {higher} of {count} points"
+        rest = f" where both have it converged, by more than {percent(HARDLY)} of the larger"
+        return f"{text}{rest}; in the other {count - lower - higher} the two hardly differ."
+
+
+def mapped(
+    evaluate: Evaluate,
+    laws: Mapping[str, Mapping[str, float]],
+    across: Axis,
+    up: Axis | None = None,
+    *,
+    metrics: Sequence[str],
+    case: int = 0,
+    step_sensitive: Collection[str] = (),
+    finer: Evaluate | None = None,
+) -> Map:
+    """Run every law at every point of a grid, all else as it is.
+
+    Parameters
+    ----------
+    evaluate : Evaluate
+        Makes one run.
+    laws : mapping of str to mapping
+        For each law the parameters that stay.
+    across, up : Axis
+        The keys that are swept; `up` may be None.
+    metrics : sequence of str
+        Metrics to tell.
+    case : int
+        Number of the case.
+    step_sensitive : collection of str
+        Metrics by which no law may be ranked, unless each run is held against one at half the step.
+    finer : Evaluate, optional
+        Makes the same run at half the step; what changes by more than one per cent then is in no sentence.
+
+    Raises
+    ------
+    ParameterError
+        If there is no law, an axis has fewer than two values that ascend, or both are of one key.
+    """
+    check_laws("mapped", laws)
+    for axis in filter(None, (across, up)):
+        steps = np.diff(axis.values)
+        if len(axis.values) < 2 or not np.isfinite(axis.values).all() or not np.all(steps > 0.0):
+            raise ParameterError(f"mapped: {axis.key} over {list(axis.values)}; give two or more ascending values")
+    if up is not None and up.key == across.key:
+        raise ParameterError(f"mapped: both axes are {up.key}; give two keys, or one axis")
+    rows: list[dict[str, float]] = [{}] if up is None else [{up.key: value} for value in up.values]
+    points = [{**row, across.key: value} for row in rows for value in across.values]
+
+    def run(one: Evaluate) -> tuple[Trial, ...]:
+        return tuple(attempt(one, law, {**fixed, **point}, case) for law, fixed in laws.items() for point in points)
+
+    halved = () if finer is None else run(finer)
+    return Map(across, up, tuple(metrics), run(evaluate), frozenset(step_sensitive), halved)

@@ -1,0 +1,86 @@
+"""Maps of metrics over one or two keys: grids, failures, convergence with the step, sentences."""
+
+import math
+
+import numpy as np
+import pytest
+
+from brunovsky.comparison import drawing
+from brunovsky.comparison.protocols import Axis, Failure, map_figure, mapped
+from brunovsky.errors import ParameterError
+
+X, Y = Axis("theta_start_rad", (-1.0, 0.0, 1.0)), Axis("eta_start_1_m_per_s", (0.5, 2.0))
+LAWS = {"a": {}, "b": {"gain": 2.0}}
+
+
+def evaluate(law, parameters, case, wrong=0.0):
+    x, y = parameters[X.key], parameters.get(Y.key, 1.0)
+    if x == 0.0 and y == 2.0 and law == "b":
+        return Failure("it fell")
+    peak = (1.0 + x * x) * y * parameters.get("gain", 1.0)
+    return {"iae": peak * (1.0 + (wrong if x == 1.0 else 0.0)), "settling_time": None if x == 1.0 else 3.0}
+
+
+def test_a_grid_has_its_rows_along_up():
+    found = mapped(evaluate, LAWS, X, Y, metrics=["iae"])
+    assert np.array_equal(found.grid("a", "iae"), np.outer([0.5, 2.0], [2.0, 1.0, 2.0]))
+    assert found.failed("b").tolist() == [[False] * 3, [False, True, False]]
+    assert math.isnan(found.grid("b", "iae")[1, 1])
+
+
+def test_sentences_tell_extremes_their_places_and_what_one_key_does():
+    found = mapped(evaluate, LAWS, X, Y, metrics=["iae", "settling_time"])
+    told = "\n".join(found.findings())
+    assert "Under “b” 1 of 6 runs failed; the first: it fell." in told
+    assert "0.500\u00a0m s at least (theta_start_rad = 0, eta_start_1_m_per_s = 0.5)" in told
+    assert "theta_start_rad alone changes it by a factor of 2.0 to 2.0, row by row" in told
+    assert "in 2 of 6 runs it is undefined, as it is beyond the end of the run" in told
+    assert "By the IAE “b” is lower than “a” in 0 and higher in 5 of 5 points" in told
+    assert "the IAE by a factor of 8.0" in found.headline()
+    assert "0 (“a”), 1 (“b”)" in found.headline()
+
+
+def test_what_the_step_decides_is_in_no_sentence():
+    def finer(law, parameters, case):
+        return evaluate(law, parameters, case, wrong=0.02)
+
+    found = mapped(evaluate, LAWS, X, Y, metrics=["iae"], finer=finer, step_sensitive=["iae"])
+    assert found.converged("a", "iae").tolist() == [[True, True, False]] * 2
+    assert "in 2 it changes by more than 1.0\u00a0% at half the step, and is left out" in found.findings()[1]
+    rows = found.summary_rows()
+    assert (rows[0]["largest"], rows[0]["there"], rows[0]["not converged"]) == (
+        4.0,
+        "theta_start_rad = −1, eta_start_1_m_per_s = 2",
+        2,
+    )
+
+
+def test_a_step_sensitive_metric_without_runs_at_half_the_step_ranks_nothing():
+    told = mapped(evaluate, LAWS, X, Y, metrics=["iae"], step_sensitive=["iae"]).findings()
+    assert any("ranks no law" in one for one in told)
+    assert not any(one.startswith("By the") for one in told)
+
+
+@pytest.mark.parametrize("up", [Y, None])
+def test_the_figure_crosses_failures(up):
+    with drawing.settings():
+        figure = map_figure(mapped(evaluate, LAWS, X, up, metrics=["iae", "settling_time"]), {"a": "the first"})
+        assert "svg" in drawing.svg(figure, "map")
+    crosses = [line for axes in figure.axes for line in axes.get_lines() if line.get_marker() == "x"]
+    assert sum(len(line.get_xdata()) for line in crosses) == (2 if up else 0)
+
+
+def test_metrics_that_are_defined_nowhere_are_drawn_and_told_so():
+    found = mapped(lambda *_: {"iae": None}, LAWS, X, Y, metrics=["iae"])
+    assert "nowhere on the map" in found.findings()[0]
+    assert "no metric of “a”" in found.headline()
+    map_figure(found)
+
+
+@pytest.mark.parametrize(
+    ("across", "up"),
+    [(Axis("a", (1.0,)), None), (Axis("a", (1.0, 1.0)), None), (X, X), (X, Axis("b", (2.0, math.nan)))],
+)
+def test_axes_that_are_none_are_refused(across, up):
+    with pytest.raises(ParameterError, match="mapped"):
+        mapped(evaluate, LAWS, across, up, metrics=["iae"])
