@@ -53,12 +53,11 @@ def cells(page: str) -> list[str]:
 
 
 def part(comparison: Comparison) -> Comparison:
-    """The same with the first scenario and those of protocols."""
+    """The same with its first scenario alone."""
     study = comparison.study
-    names = {study.scenarios[0].name, *(one.scenario for one in study.protocols)}
-    kept = tuple(one for one in study.scenarios if one.name in names)
-    runs = tuple(run for run in comparison.runs if run.planned.scenario in names)
-    return replace(comparison, study=study.model_copy(update={"scenarios": kept}), runs=runs)
+    first = study.scenarios[0]
+    runs = tuple(run for run in comparison.runs if run.planned.scenario == first.name)
+    return replace(comparison, study=study.model_copy(update={"scenarios": (first,)}), runs=runs)
 
 
 def named(path: Path) -> str:
@@ -76,7 +75,7 @@ def test_a_study_is_called_as_its_file_and_its_short_form_has_no_holes(path, tmp
     assert len(comparison.protocols) == len(study.protocols)
     summary = summary_markdown(comparison)
     assert not HOLES & {one.strip() for line in summary.splitlines() for one in line.split("|")}
-    # Figures take the time, so that the report is drawn of the first scenario and those of protocols.
+    # Figures take the time, so that the report is drawn of the first scenario, with all protocols.
     files = write_report(part(comparison), tmp_path, sections=protocol_sections(comparison))
     assert not HOLES & set(cells(files.report.read_text(encoding="utf-8")))
     for table in files.tables:
