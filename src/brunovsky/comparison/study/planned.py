@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from brunovsky._frozen import FrozenMapping
@@ -102,6 +102,11 @@ class PlannedRun:
     def is_ideal(self) -> bool:
         """Whether sensors and actuators are ideal."""
         return self.loop.hardware == IDEAL
+
+    @property
+    def has_ideal_actuators(self) -> bool:
+        """Whether commands act at once, without limits, and nothing is sampled."""
+        return replace(self.loop.hardware, noisy=False, matched=False) == IDEAL
 
     @property
     def layer(self) -> float | None:
