@@ -1,7 +1,8 @@
 """Run every study that ships, in full; write its report to build/reports/NAME and comparisons/NAME.md.
 
 Names of studies run these alone: ``python docs/refresh_reports.py noise matched``. The figure of the README is made
-with the study ``paper``. A study with chatter tables has the summary of these in place of the one of its runs.
+with the study ``paper``. A study with chatter tables has the summary of these, and of its runs' chatter, in place of
+the one of its scenarios.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from brunovsky.comparison import (
     protocol_sections,
     readme_figure,
     run_study,
+    sections_markdown,
     summary_markdown,
     write_report,
 )
@@ -39,8 +41,12 @@ def refresh(path: Path) -> None:
     study = load_study(path)
     folder = ROOT / "build" / "reports" / path.stem
     comparison = run_study(study, folder=folder)
-    write_report(comparison, folder, sections=protocol_sections(comparison))
-    summary = chatter_markdown(analyze_study(study)) if study.chatter else summary_markdown(comparison)
+    sections = protocol_sections(comparison)
+    write_report(comparison, folder, sections=sections)
+    if study.chatter:
+        summary = chatter_markdown(analyze_study(study)) + "\n".join([*sections_markdown(sections), ""])
+    else:
+        summary = summary_markdown(comparison)
     path.with_suffix(".md").write_text(summary, encoding="utf-8")
     if path.stem == "paper":
         (ROOT / "docs" / "_static" / "paper.svg").write_text(readme_figure(comparison), encoding="utf-8")

@@ -75,6 +75,8 @@ BLOCKS: Mapping[str, Callable[[], br.Block]] = {
         "closed_loop",
         "regulator",
         "rest_to_rest",
+        "tracker",
+        "rest_to_trajectory",
     )
 }
 

@@ -95,7 +95,7 @@ def test_fmu_and_native_simulation_agree(through_the_fmu):
 
 
 def test_predicted_residuals_are_those_of_the_runs(paper, paper_runs):
-    from brunovsky.comparison.linear_part import predicted_residual
+    from brunovsky.comparison.residuals import predicted_residual
 
     for scenario, tolerance in (("outside-d1", 0.02), ("outside-d2", 1e-3)):
         for law in paper.laws:

@@ -57,6 +57,7 @@ from brunovsky.analysis.rest.outcome import outcome_table
 from brunovsky.analysis.rest.poses import resting_poses
 from brunovsky.analysis.rest.runs import goal_frame_runs
 from brunovsky.analysis.robot.actuator_loop import actuator_loop, actuator_loop_transfer, return_difference
+from brunovsky.analysis.robot.actuator_margins import ActuatorMargins, actuator_margins, longest_robot_sampling
 from brunovsky.analysis.robot.chatter import (
     RobotChatter,
     actuated_response,
@@ -79,7 +80,7 @@ from brunovsky.analysis.sliding.phase_plane import (
     surface_phase_plane,
 )
 from brunovsky.analysis.sliding.reaching import RelayCycle, reaching_time, relay_cycle
-from brunovsky.analysis.sliding.sampled import largest_sampling_period, sampled_sliding_poles
+from brunovsky.analysis.sliding.sampled import largest_sampling_period, sampled_sliding_gain, sampled_sliding_poles
 from brunovsky.analysis.sliding.super_twisting_plane import super_twisting_motion, super_twisting_phase_plane
 from brunovsky.analysis.sliding.twisting import (
     super_twisting_condition,
@@ -88,6 +89,7 @@ from brunovsky.analysis.sliding.twisting import (
 from brunovsky.analysis.system import to_control
 
 __all__ = [
+    "ActuatorMargins",
     "ChatterRow",
     "CouplingError",
     "DiskMargin",
@@ -105,6 +107,7 @@ __all__ = [
     "actuated_response",
     "actuator_loop",
     "actuator_loop_transfer",
+    "actuator_margins",
     "bandwidth",
     "basin_edge",
     "boundary_layer_gain",
@@ -137,6 +140,7 @@ __all__ = [
     "lagged_reaching",
     "largest_communication_step",
     "largest_sampling_period",
+    "longest_robot_sampling",
     "loop_margins",
     "loop_transfer",
     "lqr_gain",
@@ -163,6 +167,7 @@ __all__ = [
     "root_locus_over_surface_gain",
     "sampled_chatter_band",
     "sampled_cycles",
+    "sampled_sliding_gain",
     "sampled_sliding_poles",
     "sensitivity",
     "set_point_transfer",

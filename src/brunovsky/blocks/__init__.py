@@ -31,6 +31,7 @@ from brunovsky.blocks.library import (
     preview,
     regulator,
     rest_to_rest,
+    rest_to_trajectory,
     robot,
     robot_linearization,
     robot_system,
@@ -46,6 +47,7 @@ from brunovsky.blocks.library import (
     sliding_sector,
     super_twisting,
     super_twisting_sampled,
+    tracker,
     waypoints,
 )
 from brunovsky.blocks.linearized import inner_loop, linearized_block, plant_block
@@ -114,6 +116,7 @@ __all__ = [
     "preview",
     "regulator",
     "rest_to_rest",
+    "rest_to_trajectory",
     "robot",
     "robot_linearization",
     "robot_system",
@@ -131,5 +134,6 @@ __all__ = [
     "super_twisting_sampled",
     "symbol",
     "symbols",
+    "tracker",
     "waypoints",
 ]

@@ -71,7 +71,7 @@ from brunovsky.comparison.statistics import (
 )
 from brunovsky.comparison.study import Law, Scenario, Study, load_study
 from brunovsky.comparison.study.chatter_grid import ChatterGrid, ChatterTable
-from brunovsky.comparison.summary import summary_markdown
+from brunovsky.comparison.summary import sections_markdown, summary_markdown
 
 __all__ = [
     "METRIC_DEFINITIONS",
@@ -137,6 +137,7 @@ __all__ = [
     "readme_figure",
     "render_report",
     "run_study",
+    "sections_markdown",
     "sign_estimate",
     "step_sensitive_metrics",
     "study_schema",

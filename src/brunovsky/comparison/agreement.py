@@ -130,7 +130,7 @@ def _explanation(planned: PlannedRun, native: Outcome, found: Agreement) -> str:
     if found.basis == "coupling" and not found.shrinks:
         half = found.position_at_half_step
         left = "half the communication step fails" if half is None else f"{number(half)} m at half the step"
-        return f"does not shrink with the communication step: {left}" + (
+        return f"is not of first order in the communication step: {left}" + (
             "; the sign function switches at other instants" if relay else ""
         )
     starts = [abs(float(native.trajectory[name][0])) for name in ("S[1]", "S[2]") if name in native.trajectory]

@@ -25,7 +25,7 @@ from brunovsky.analysis import (
 )
 from brunovsky.blocks import TIME, circle, robot_linearization
 from brunovsky.comparison.analyzed_loops import gains, law_numbers
-from brunovsky.comparison.linear_part import predicted_residual
+from brunovsky.comparison.residuals import predicted_residual
 from brunovsky.comparison.study import Law, PlannedRun
 from brunovsky.errors import ParameterError
 from brunovsky.linearization import chain_values, forecast
@@ -202,7 +202,7 @@ def _forecast(
     p = run.parameters
     if law.kind != "linear":
         return None, f"the law '{law.name}' switches, so that its chains are not linear; simulate it"
-    if any(run.inputs.values()) or p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0:
+    if not run.is_undisturbed or p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0:
         return None, "the plant is disturbed or not the nominal one, so that its chains are not linear; simulate it"
     gain = gains(run, law.kind)["linear_part"]
     found = forecast(robot_linearization(), [gain, gain], chains, reference, run.duration, samples=_INSTANTS)

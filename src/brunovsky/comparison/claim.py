@@ -54,9 +54,9 @@ class Claim:
 
 
 def is_nominal(run: Run) -> bool:
-    """Whether a run has neither disturbances nor uncertainty."""
+    """Whether a run has no disturbance, constant or not, no noise, no parameter error, and ideal hardware."""
     p = run.planned.parameters
-    return not any(run.planned.inputs.values()) and p["rho[1]"] == 1.0 and p["rho[2]"] == 1.0
+    return run.planned.is_undisturbed and run.planned.is_ideal and p["rho[1]"] == 1.0 and p["rho[2]"] == 1.0
 
 
 def is_regulation(run: Run) -> bool:

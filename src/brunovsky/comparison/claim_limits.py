@@ -8,7 +8,7 @@ from brunovsky.comparison.claim import Case, Finding, is_nominal, is_regulation
 from brunovsky.comparison.facts import change, given, joined, number, percent, spread, wrapped
 from brunovsky.comparison.features import features
 from brunovsky.comparison.findings_steady import HARDLY, ROUNDING
-from brunovsky.comparison.linear_part import within_bounds
+from brunovsky.comparison.residuals import disturbed, tail_peaks, within_bounds
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.sensitivity import MARK, both, converged, facts_of, largest, sure_change, told
 from brunovsky.comparison.study import Scenario
@@ -23,17 +23,19 @@ def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
     parts: list[str] = []
     rejected: list[bool] = []
     idle: list[str] = []
-    unmatched, disturbed = False, 0
+    unmatched, count = False, 0
     for scenario, runs in cases:
         by_kind = {kinds[name]: run for name, run in runs.items()}
         linear, relay = by_kind.get("linear"), by_kind.get("sign")
-        if linear is None or relay is None or is_nominal(linear):
+        if linear is None or relay is None or is_nominal(linear) or linear.planned.noise:
             continue
-        if any(linear.planned.inputs.values()):
-            disturbed += 1
+        if disturbed(linear.planned):
+            if not any(tail_peaks(linear.planned).values()):
+                continue  # of what has passed by the last quarter nothing is left to compare
+            count += 1
             rejected.append(largest(relay, "rms_tail_error") < max(_least(linear) / 10.0, ROUNDING))
             parts.append(f"{scenario.title}: {_residuals(linear, relay)}")
-            unmatched = unmatched or (bool(linear.planned.inputs["d[1]"]) and not rejected[-1])
+            unmatched = unmatched or (tail_peaks(linear.planned)["d[1]"] > 0.0 and not rejected[-1])
             continue
         slower = _slower(cases, scenario, {"linear": linear, "sign": relay})
         if max((abs(one) for one in slower.values()), default=0.0) <= HARDLY:
@@ -54,7 +56,7 @@ def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
         text += " Unmodelled dynamics are not in this study."
     if not any(rejected):
         return Finding("contradicted", text)
-    complete = all(rejected) and len(rejected) > disturbed and bool(dynamics)
+    complete = all(rejected) and len(rejected) > count and bool(dynamics)
     return Finding("confirmed" if complete else "confirmed under conditions", text)
 
 
@@ -117,7 +119,12 @@ def _differ_in_heading(run: Run, twin: Run) -> bool:
     a, b = (
         {name: value for name, value in one.planned.parameters.items() if name != "theta_start"} for one in (run, twin)
     )
-    return a == b and run.planned.duration == twin.planned.duration and run.planned.inputs == twin.planned.inputs
+    return a == b and run.planned.duration == twin.planned.duration and _same_disturbances(run, twin)
+
+
+def _same_disturbances(run: Run, twin: Run) -> bool:
+    a, b = run.planned, twin.planned
+    return (a.inputs, a.signals, a.noise, a.loop) == (b.inputs, b.signals, b.noise, b.loop)
 
 
 def _turned(run: Run, twin: Run, law: str) -> Finding:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from brunovsky.comparison.claim import Case, Finding, is_nominal, of_kind, pairs
+from brunovsky.comparison.claim import Case, Finding, Verdict, is_nominal, of_kind, pairs
 from brunovsky.comparison.facts import percent, spread
 from brunovsky.comparison.features import scenario_features
 from brunovsky.comparison.findings_steady import HARDLY
@@ -29,8 +29,8 @@ def starts(comparison: Comparison, cases: list[Case]) -> Finding | None:
         text += f"; under pole placement {as_well} of {len(linear)} do, so that this is no merit of the switching term"
         text += "" if as_well == len(linear) else " alone"
     complete = len(settled) == len(sliding) + failed
-    word = "confirmed" if complete else "confirmed under conditions" if settled else "contradicted"
-    return Finding(word, f"{text}. Other starts were not run.")  # type: ignore[arg-type]
+    word: Verdict = "confirmed" if complete else "confirmed under conditions" if settled else "contradicted"
+    return Finding(word, f"{text}. Other starts were not run.")
 
 
 def _nominal(comparison: Comparison, cases: list[Case], kinds: list[str]) -> list[Run]:

@@ -18,7 +18,7 @@ class Definition:
     unit : str
         For people: SI, with superscripts.
     sentence : str
-        What is measured, when it is undefined.
+        What is measured, when it is not defined.
     formula : str
         The same in symbols; e is the position error (m), T the duration, t_k the internal steps.
     """
@@ -52,8 +52,8 @@ CONTRACT_METRICS = tuple(
             "settling_time",
             "settling time (position error > 1 cm until)",
             "s",
-            "Last recorded instant at which the position error exceeds 1 cm; 0 if it never does, undefined if it still "
-            "does at the end.",
+            "Last recorded instant at which the position error exceeds 1 cm; 0 if it never does, not defined if it "
+            "still does at the end.",
             "max{t_k : e(t_k) > 0.01 m}",
         ),
         (
@@ -195,7 +195,7 @@ FURTHER_METRICS = tuple(
             "effort_v",
             "effort of the outer loop, integral of v₁² + v₂²",
             "m²/s⁵",
-            "Integral of the squared magnitude of the jerk that the outer loop asks for; undefined where v was not "
+            "Integral of the squared magnitude of the jerk that the outer loop asks for; not defined where v was not "
             "recorded.",
             "∫ (v₁² + v₂²) dt",
         ),
@@ -205,7 +205,7 @@ FURTHER_METRICS = tuple(
             "s",
             "Last recorded instant at which the larger of |S₁| and |S₂| exceeds the band, so that both stay in it from "
             "then on. The band is one for all laws that are compared: the widest boundary layer φ among them, at least "
-            "0.01 m/s². 0 if never, undefined if they still exceed it at the end or S was not recorded.",
+            "0.01 m/s². 0 if never, not defined if they still exceed it at the end or S was not recorded.",
             "max{t_k : max(|S₁|, |S₂|) > max(φ of all laws, 0.01 m/s²)}",
         ),
         (
@@ -220,7 +220,7 @@ FURTHER_METRICS = tuple(
             "chatter frequency",
             "rad/s",
             "Mean angular frequency of the sliding variable that oscillates most, from one upward crossing of its mean "
-            "to the next, in the last quarter of the run. Undefined where there is no chatter: the law does not "
+            "to the next, in the last quarter of the run. Not defined where there is no chatter: the law does not "
             "switch, neither sliding variable makes three whole periods about zero, or its amplitude stays within the "
             "boundary layer, where the law is linear. An oscillation that a disturbance forces beyond the layer "
             "counts as well.",
@@ -261,7 +261,7 @@ FURTHER_METRICS = tuple(
             "final heading error",
             "rad",
             "Magnitude of the difference between the heading at the last instant and that of the goal, modulo 2π; "
-            "undefined where the task names no heading of the goal.",
+            "not defined where the task names no heading of the goal.",
             "|θ(T) − θ_goal| mod 2π",
         ),
         (
@@ -269,7 +269,7 @@ FURTHER_METRICS = tuple(
             "arrival time",
             "s",
             "Last recorded instant at which the robot does not rest at the goal: off by more than 5 mm or 0.02 rad, or "
-            "moving faster than 1 mm/s or 1 mrad/s. 0 if never, undefined if so at the end, or where the task names "
+            "moving faster than 1 mm/s or 1 mrad/s. 0 if never, not defined if so at the end, or where the task names "
             "no heading of the goal.",
             "max{t_k : e > 5 mm or |θ − θ_goal| > 0.02 rad or |η₁| > 1 mm/s or |η₂| > 1 mrad/s}",
         ),
@@ -282,7 +282,7 @@ METRIC_DEFINITIONS = CONTRACT_METRICS + FURTHER_METRICS
 
 
 UNREACHED = frozenset({"settling_time", "settling_1mm", "settling_100um", "reaching_time", "arrival_time"})
-"""Times that are undefined where they are beyond the end of the run, so that undefined means longest."""
+"""Times that are not defined where they are beyond the end of the run, so that not defined means longest."""
 
 BETTER_GREATER = frozenset({"min_speed", "min_speed_moving"})
 """Metrics that are distances from trouble; of all others the lower is the better, or neither."""

@@ -115,13 +115,17 @@ def signed_decades(axes: Axes, linear: float, at_least: float, most: int = 2) ->
     linear : float
         A power of ten; up to it the axis is linear.
     at_least : float
-        Half-width that is shown in any case.
+        Half-width that is shown in any case, unless what is drawn lies between a thousandth and a fifth of it.
     most : int
         Number of labels on each side of a logarithmic axis.
     """
     drawn = [np.asarray(line.get_ydata(), dtype=float) for line in axes.get_lines()]
-    peak = max([at_least, *(float(np.max(np.abs(one))) for one in drawn if one.size)])
-    signed_scale(axes, "y", linear, peak, most)
+    peak = max((float(np.max(np.abs(one))) for one in drawn if one.size), default=0.0)
+    if 1e-3 * at_least <= peak < 0.2 * at_least:
+        axes.set_ylim(-1.2 * peak, 1.2 * peak)
+        axes.ticklabel_format(axis="y", scilimits=(-5, 5))
+        return
+    signed_scale(axes, "y", linear, max(at_least, peak), most)
 
 
 def signed_scale(axes: Axes, which: str, linear: float, peak: float, most: int = 2) -> None:

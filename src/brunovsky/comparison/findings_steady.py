@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from brunovsky.comparison.facts import Facts, given, joined, number
-from brunovsky.comparison.linear_part import predicted_residual, within_bounds
+from brunovsky.comparison.residuals import disturbed, predicted_noise, predicted_residual, tail_peaks, within_bounds
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import MARK, both, converged, largest, sensitivity, spread_of, told
 from brunovsky.comparison.study import Law
@@ -21,20 +21,25 @@ def steady_state(good: Good) -> str:
     """What error remains, and what was predicted where there is a disturbance."""
     runs = [run for _, run, _ in good]
     p = runs[0].planned.parameters
-    nominal = not any(runs[0].planned.inputs.values())
+    planned = runs[0].planned
+    nominal = not any(tail_peaks(planned).values())
     if nominal and all(largest(run, "rms_tail_error") < ROUNDING for run in runs):
         uncertain = _idle_mismatch(good) if p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0 else ""
+        if disturbed(planned):
+            uncertain += ": the disturbance has passed by then"
         return f"Over the last quarter the error is nil for every purpose under each law (below 1 nm RMS){uncertain}."
     parts = []
     for law, run, _ in good:
         expected = predicted_residual(run.planned, law) if _predictable(law, run) else None
+        if expected is None and law.in_family:
+            expected = predicted_noise(run.planned, law)
         text = f"{told(run, 'rms_tail_error')} m ({law.name}"
         parts.append(text + (f"; predicted {number(expected)} m)" if expected else ")"))
     text = f"Over the last quarter the RMS error is {joined(parts)}."
     if not all(converged(run, "rms_tail_error") for run in runs):
         text += f" What is marked {MARK.strip()} is not converged with the step, and ranks no law."
     by_kind = {law.kind: run for law, run, _ in good}
-    if nominal or "sign" not in by_kind or "linear" not in by_kind:
+    if nominal or planned.noise or "sign" not in by_kind or "linear" not in by_kind:
         return text
     return text + _rejection(by_kind["sign"], by_kind["linear"])
 
@@ -56,7 +61,7 @@ def _idle_mismatch(good: Good) -> str:
 
 def _rejection(relay: Run, linear: Run) -> str:
     """What the sign function makes of a disturbance, as far as the bound and the step allow to say it."""
-    d1 = relay.planned.inputs.get("d[1]")
+    d1 = tail_peaks(relay.planned)["d[1]"]
     kind = "unmatched" if d1 else "matched"
     if not within_bounds(relay):
         return f" The disturbance is {kind} and beyond the bound that P rejects: sliding is not guaranteed."
@@ -117,7 +122,7 @@ def _amplification(run: Run, facts: Facts) -> str:
             ". The robot is within the guard then, whose gain η₁/η_min² falls to zero at rest, so that little of the "
             "relay reaches u₂"
         )
-    if any(run.planned.inputs.values()):
+    if not run.planned.is_undisturbed:
         return ""
     relay = math.sqrt(2.0) * p["P"] / abs(p["C[3]"])
     return (

@@ -114,7 +114,7 @@ LINEAR_DEFINITIONS = tuple(
             "gain_upper",
             "upper gain margin (factor)",
             "1",
-            "Largest such factor; undefined where nothing limits it.",
+            "Largest such factor; not defined where nothing limits it.",
             "L → k L",
         ),
         (

@@ -64,12 +64,12 @@ class MeasuredMargins:
         return asdict(self)
 
 
-def bounded_at_the_end(time: Array, error: Array, bound: float) -> bool:
+def bounded_at_the_end(time: Array, error: Array, bound: float, still: float = ROUNDING) -> bool:
     """Whether a complete run counts as stable.
 
     Let E3 and E4 be the largest errors in the third and the last quarter of the duration. The run is stable if the
     error still contracts, E4 <= 0.9 E3, or stays within the bound without growing, E4 <= bound and E4 <= 1.1 E3, where
-    an error below 1 nm does not count as growing. A run that is not finite is not stable.
+    an error below `still` does not count as growing. A run that is not finite is not stable.
 
     Parameters
     ----------
@@ -77,13 +77,15 @@ def bounded_at_the_end(time: Array, error: Array, bound: float) -> bool:
         Instants (s) and position errors (m).
     bound : float
         Error that may remain (m): chatter and unmatched disturbances leave one for ever.
+    still : float
+        Error that may grow (m): that of rounding, or of chatter, which is not the same in each quarter.
     """
     if time.size < 2 or not np.isfinite(error).all():
         return False
     half, quarter = (time[0] + share * (time[-1] - time[0]) for share in (0.5, 0.75))
     third, last = error[(time >= half) & (time < quarter)], error[time >= quarter]
     before, after = float(np.max(np.abs(third), initial=0.0)), float(np.max(np.abs(last), initial=0.0))
-    return after <= CONTRACTS * before or (after <= bound and after <= max(GROWS * before, ROUNDING))
+    return after <= CONTRACTS * before or (after <= bound and after <= max(GROWS * before, still))
 
 
 def bisect_margin(stable: Callable[[float], bool], low: float, high: float, rtol: float = 0.01) -> MeasuredMargin:

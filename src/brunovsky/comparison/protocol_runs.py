@@ -12,16 +12,20 @@ import xarray as xr
 from brunovsky._frozen import FrozenMapping
 from brunovsky.analysis import resting_poses
 from brunovsky.comparison.agreement import Agreement
+from brunovsky.comparison.coupling_runs import run_coupling
 from brunovsky.comparison.cross_check import agreement_with
 from brunovsky.comparison.engines import Engine, NativeSimulation, Outcome, check_outcome
+from brunovsky.comparison.margin_runs import run_margins
 from brunovsky.comparison.metrics import compute_metrics
 from brunovsky.comparison.protocols import (
     Axis,
+    Coupling,
     Distribution,
     EqualEffort,
     Failure,
     Knob,
     Map,
+    MeasuredLoopMargins,
     MonteCarlo,
     Pareto,
     Swept,
@@ -36,8 +40,10 @@ from brunovsky.comparison.study import PlannedRun, Study
 from brunovsky.comparison.study.keys import unit_suffix
 from brunovsky.comparison.study.protocols import (
     AxisTable,
+    CouplingTable,
     EqualEffortTable,
     MapTable,
+    MarginsTable,
     ParetoTable,
     Protocol,
     SweptTable,
@@ -46,7 +52,7 @@ from brunovsky.errors import StudyError
 
 WORST = 10  # cases that are drawn as paths
 Measured: TypeAlias = Mapping[str, float | None] | Failure
-Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo | Map
+Result: TypeAlias = Swept | EqualEffort | Pareto | MonteCarlo | Map | MeasuredLoopMargins | Coupling
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +85,7 @@ class ProtocolRun:
     ----------
     table : Protocol
         What was asked for.
-    result : Swept, EqualEffort, Pareto, MonteCarlo or Map
+    result : Swept, EqualEffort, Pareto, MonteCarlo, Map, MeasuredLoopMargins or Coupling
         What came out.
     agreement : tuple of Agreement
         Of the trials that were repeated by the native simulation.
@@ -181,6 +187,10 @@ def run_protocol(
     StudyError
         If the effort that is to be equalled is undefined.
     """
+    if isinstance(table, MarginsTable):
+        return ProtocolRun(table, run_margins(study, table, native, progress), (), (), FrozenMapping({}))
+    if isinstance(table, CouplingTable):
+        return ProtocolRun(table, run_coupling(study, table, progress), (), (), FrozenMapping({}))
     trials = _Trials(study, table, engine, native, progress)
     laws: dict[str, Mapping[str, float]] = {law.name: {} for law in study.laws_of_protocol(table)}
     worst: tuple[Path, ...] = ()

@@ -8,18 +8,24 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.chatter_section import chatter_section
 from brunovsky.comparison.figures import worst_paths_figure
-from brunovsky.comparison.protocol_runs import Path, ProtocolRun
+from brunovsky.comparison.protocol_runs import Path, ProtocolRun, Result
 from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
 from brunovsky.comparison.protocols import (
+    Coupling,
     EqualEffort,
     Map,
+    MeasuredLoopMargins,
     MonteCarlo,
     Pareto,
     Swept,
+    coupling_figure,
     equal_effort_figure,
     map_figure,
+    margins_figure,
     monte_carlo_figure,
+    monte_carlo_headline,
     pareto_figure,
     swept_figure,
 )
@@ -31,6 +37,8 @@ _FIGURES: Mapping[type, Callable[..., Figure]] = {
     Pareto: pareto_figure,
     MonteCarlo: monte_carlo_figure,
     Map: map_figure,
+    MeasuredLoopMargins: margins_figure,
+    Coupling: coupling_figure,
 }
 
 
@@ -51,7 +59,8 @@ def protocol_sections(comparison: Comparison, *, drawn: bool = True) -> tuple[Pr
         found.append(_section(one, index, scenario.title, titles, drawn))
         if one.worst and drawn:
             found.append(_worst_section(one, index, titles))
-    return tuple(found)
+    chatter = chatter_section(comparison, drawn=drawn)
+    return tuple(found) if chatter is None else (chatter, *found)
 
 
 def trial_tables(comparison: Comparison) -> tuple[Table, ...]:
@@ -87,7 +96,9 @@ def _cell(value: Any) -> Cell:
 
 def _trial_rows(one: ProtocolRun) -> list[dict[str, Any]]:
     drawn = one.drawn
-    return [{**row, **{key: values[int(row["case"])] for key, values in drawn.items()}} for row in one.result.rows()]
+    return [
+        {**row, **{key: values[int(row.get("case", 0))] for key, values in drawn.items()}} for row in one.result.rows()
+    ]
 
 
 def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, str], drawn: bool) -> ProtocolSection:
@@ -96,17 +107,38 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
     if drawn:
         with drawing.settings():
             picture = drawing.svg(_FIGURES[type(result)](result, titles), key)
-    rows = result.summary_rows() if isinstance(result, MonteCarlo | Map) else result.rows()
+    rows = result.summary_rows() if isinstance(result, MonteCarlo | Map | Coupling) else result.rows()
     findings = tuple(result.findings())
     return ProtocolSection(
-        title=f"{explanation.title}: {scenario}",
+        title=f"{_title(result)}: {scenario}",
         explanation=f"{explanation.holds_equal} What it cannot say: {explanation.cannot_say}",
         figure_svg=picture if drawn else "",
         table=table_of(key, rows, f"{explanation.title}, “{scenario}”"),
         findings=(*findings, *_agreement(one)),
         caption=f"{explanation.title}, “{scenario}”.",
-        headline=result.headline() if isinstance(result, MonteCarlo | Map) else findings[-1] if findings else "",
+        headline=_headline(result, findings, scenario),
     )
+
+
+def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
+    """What the verdict says of a protocol: of the metric that the study names first, or of the fronts."""
+    if isinstance(result, MonteCarlo):
+        return monte_carlo_headline(result)
+    if isinstance(result, Map):
+        return f"“{scenario}”: {result.headline()}"
+    if isinstance(result, EqualEffort):
+        findings = [one for one in findings if one.startswith("At equal effort")] or findings
+    if not findings:
+        return ""
+    if isinstance(result, MeasuredLoopMargins | Coupling):
+        return f"“{scenario}”: {findings[-1]}"
+    return findings[-1] if isinstance(result, Pareto) else findings[0]
+
+
+def _title(result: Result) -> str:
+    """Title of a protocol; that of a sweep names what is swept."""
+    title = result.explanation.title
+    return title.replace("one parameter", result.knob) if isinstance(result, Swept) else title
 
 
 def _agreement(one: ProtocolRun) -> list[str]:

@@ -185,7 +185,9 @@ def _protocols(
 ) -> tuple[ProtocolRun, ...]:
     done = []
     for table in study.protocols:
-        pairs = [one for one in runs if one.planned.scenario == table.scenario and one.half_step is not None]
+        laws = [law.name for law in study.laws_of_protocol(table)]
+        own = [one for one in runs if one.planned.scenario == table.scenario and one.planned.law in laws]
+        pairs = [one for one in own if one.half_step is not None]
         sensitive = step_sensitive_metrics(
             [one.metrics.as_dict() for one in pairs],
             [one.half_step.metrics.as_dict() for one in pairs if one.half_step is not None],

@@ -168,9 +168,11 @@ def _opened(path: Path, folder: Path) -> OpenedSsp:
         if SYSTEM not in (wire.source[0], wire.target[0]) and _is_direct(fmus[wire.source[0]], wire.source[1]):
             direct.add((wire.source[0], wire.target[0]))
     for part, name in structure.values:
-        if name not in fmus[part].variables or fmus[part].variables[name].type == "String":
+        one = fmus[part].variables.get(name)
+        settable = one is not None and (one.causality in ("parameter", "input") or one.initial in ("exact", "approx"))
+        if one is None or not settable or one.type == "String":
             raise StudyError(
-                f"{path}: binds '{part}.{name}', which its FMU doesn't have as a number; correct the package"
+                f"{path}: binds '{part}.{name}', which is no number that its FMU lets be set; correct the package"
             )
     return OpenedSsp(path, structure, {name: fmus[name] for name in stepping_order(list(fmus), direct)})
 

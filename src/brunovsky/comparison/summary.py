@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from brunovsky.comparison.claims import claims, examined
-from brunovsky.comparison.facts import CONVERGED
+from brunovsky.comparison.facts import CONVERGED, number
 from brunovsky.comparison.findings import scenario_findings
+from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
 from brunovsky.comparison.protocol_sections import protocol_sections
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import MARK
 from brunovsky.comparison.tables import conditions, footnote, metric_rows
 
+LONGEST = 100  # rows of a table that is kept
 _KEPT = ("settling time", "RMS position error", "largest", "smallest", "total variation")
 
 
@@ -37,8 +41,7 @@ def summary_markdown(comparison: Comparison) -> str:
     if told:
         lines += ["", "## What the paper claims, and what these runs show", ""]
         lines += [f"- {claim.quote}: **{claim.verdict}**. {claim.shown}" for claim in told]
-    for section in protocols:
-        lines += ["", f"## {section.title}", "", section.explanation, "", *(f"- {one}" for one in section.findings)]
+    lines += sections_markdown(protocols)
     for scenario in study.scenarios:
         pairs = comparison.laws_of(scenario)
         figure = f"Figure {scenario.figure}: " if scenario.figure else ""
@@ -53,3 +56,22 @@ def summary_markdown(comparison: Comparison) -> str:
         note = footnote([run for _, run in pairs], _KEPT)
         lines += ["", note.replace("|", chr(92) + "|")] if note else []
     return "\n".join(lines) + "\n"
+
+
+def sections_markdown(sections: Sequence[ProtocolSection]) -> list[str]:
+    """Lines of the sections of a report: what they are, what was found, and tables that are not long."""
+    lines: list[str] = []
+    for section in sections:
+        lines += ["", f"## {section.title}", "", section.explanation, "", *(f"- {one}" for one in section.findings)]
+        if section.table is not None and len(section.table.rows) <= LONGEST:
+            lines += ["", *_markdown(section.table)]
+    return lines
+
+
+def _markdown(table: Table) -> list[str]:
+    rows = [[_cell(cell) for cell in row] for row in table.rows]
+    return [f"| {' | '.join(row)} |" for row in (table.columns, ["---"] * len(table.columns), *rows)]
+
+
+def _cell(cell: Cell) -> str:
+    return (number(cell) if isinstance(cell, float) or cell is None else str(cell)).replace("|", chr(92) + "|")

@@ -5,24 +5,27 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from brunovsky.comparison.definitions import CONTRACT_METRICS
+from brunovsky.analysis import disk_margin, loop_transfer
+from brunovsky.comparison.condition_words import what_acts
+from brunovsky.comparison.definitions import METRIC_DEFINITIONS
 from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import MARK, both, converged, sensitivity, told
 
-METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in CONTRACT_METRICS)
+METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in METRIC_DEFINITIONS)
 MARGIN_ROWS = (
     ("gain_lower", "lower gain margin (factor)", 1.0),
     ("gain_upper", "upper gain margin (factor)", 1.0),
     ("phase", "phase margin, degrees", 180.0 / math.pi),
     ("gain_crossover", "gain crossover, rad/s", 1.0),
     ("modulus", "modulus margin", 1.0),
+    ("max_sensitivity", "Ms", 1.0),
+    ("disk_margin", "disk margin", 1.0),
     ("delay", "longest delay, ms", 1e3),
     ("lag", "longest first-order lag, ms", 1e3),
     ("two_lags", "two equal lags, each at most, ms", 1e3),
 )
-_DISTURBANCES = {"d[1]": ("d₁", "m/s²"), "d[2]": ("d₂", "rad/s²")}
 
 
 def metric_rows(runs: list[Run]) -> list[tuple[str, str, list[str]]]:
@@ -87,12 +90,7 @@ def conditions(run: Run) -> str:
     else:
         center = f"({given(p['center[1]'])} m, {given(p['center[2]'])} m)"
         text += f", along a circle of radius {given(p['radius'])} m about {center} at {given(p['rate'])} rad/s"
-    extra = [
-        f"{symbol} = {given(run.planned.inputs[name])} {unit}"
-        for name, (symbol, unit) in _DISTURBANCES.items()
-        if run.planned.inputs[name]
-    ]
-    extra += [f"ρ{'₁₂'[k]} = {given(p[f'rho[{k + 1}]'])}" for k in (0, 1) if p[f"rho[{k + 1}]"] != 1.0]
+    extra = what_acts(run.planned)
     return f"{text}; {', '.join(extra)}." if extra else f"{text}."
 
 
@@ -108,9 +106,14 @@ def loop_row(loop: LinearLoop) -> dict[str, str]:
 def margin_rows(loops: list[LinearLoop]) -> list[tuple[str, list[str]]]:
     """Label and one cell for each loop."""
     return [
-        (label, ["unstable" if one.margins is None else number(scale * getattr(one.margins, name), 4) for one in loops])
+        (label, ["unstable" if one.margins is None else _margin(one, name, scale) for one in loops])
         for name, label, scale in MARGIN_ROWS
     ]
+
+
+def _margin(one: LinearLoop, name: str, scale: float) -> str:
+    found = disk_margin(loop_transfer(one.gain)).radius if name == "disk_margin" else getattr(one.margins, name)
+    return number(scale * found, 4)
 
 
 def poles_text(poles: Any) -> str:

@@ -60,6 +60,38 @@ def sampled_sliding_poles(
     return np.sort_complex(1 + h * _rates(C, np.array([h]), np.array([q]), surface_map)[0])
 
 
+def sampled_sliding_gain(
+    surface: ArrayLike, sampling_period: float, *, reaching_rate: float | None = None, surface_map: SurfaceMap = "euler"
+) -> NDArray[np.float64]:
+    """K of the linear part v = y_d^(n) - K e of `brunovsky.blocks.sliding_mode_sampled`.
+
+    Parameters
+    ----------
+    surface, sampling_period, reaching_rate, surface_map
+        As for `sampled_sliding_poles`.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        K = [k1, ..., kn] (1/s3, 1/s2, 1/s for n = 3).
+
+    Raises
+    ------
+    ParameterError
+        As for `sampled_sliding_poles`.
+
+    References
+    ----------
+    As for `sampled_sliding_poles`.
+    """
+    where = "sampled_sliding_gain"
+    C = surface_coefficients(surface, where)
+    h = finite_scalar(sampling_period, "sampling_period", where, minimum=0.0, strict=True)
+    q = 1 / h if reaching_rate is None else finite_scalar(reaching_rate, "Q", where)
+    _check_map(surface_map, where)
+    return np.asarray(_gains(C, np.array([h]), np.array([q]), surface_map)[0], dtype=np.float64)
+
+
 def largest_sampling_period(
     surface: ArrayLike, *, reaching_rate: float | None = None, surface_map: SurfaceMap = "euler"
 ) -> float:
@@ -124,12 +156,19 @@ def _rates(
 ) -> NDArray[np.complex128]:
     """(z - 1)/h of the poles for several periods h and rates q, shape (m,) both, as an array of shape (m, n)."""
     n = C.size
-    *row, gain = mean_rates(list(C), h, surface_map)
-    K = np.stack([(q * c + rate) / gain for c, rate in zip(C, row, strict=True)], axis=-1)
+    K = _gains(C, h, q, surface_map)
     moved = np.zeros((h.size, n, n + 1))  # of the chain and its held input: h^k/k! on diagonal k
     for k in range(1, n + 1):
         moved += np.multiply.outer(h ** (k - 1) / factorial(k), np.eye(n, n + 1, k))
     return np.asarray(np.linalg.eigvals(moved[:, :, :-1] - moved[:, :, -1:] * K[:, np.newaxis]), dtype=np.complex128)
+
+
+def _gains(
+    C: NDArray[np.float64], h: NDArray[np.float64], q: NDArray[np.float64], surface_map: SurfaceMap
+) -> NDArray[np.float64]:
+    """Rows K of v = -K e for several periods and rates."""
+    *row, gain = mean_rates(list(C), h, surface_map)
+    return np.stack([(q * c + rate) / gain for c, rate in zip(C, row, strict=True)], axis=-1)
 
 
 def _check_map(surface_map: str, where: str) -> None:

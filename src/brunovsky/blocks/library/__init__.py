@@ -41,7 +41,7 @@ from brunovsky.blocks.library.relatives import (
     second_order_sliding_mode,
     sliding_sector,
 )
-from brunovsky.blocks.library.rest_to_rest import regulator, rest_to_rest
+from brunovsky.blocks.library.rest_to_rest import regulator, rest_to_rest, rest_to_trajectory, tracker
 from brunovsky.blocks.library.robot import (
     linearized_robot,
     robot,
@@ -80,6 +80,7 @@ __all__ = [
     "preview",
     "regulator",
     "rest_to_rest",
+    "rest_to_trajectory",
     "robot",
     "robot_linearization",
     "robot_system",
@@ -95,5 +96,6 @@ __all__ = [
     "sliding_sector",
     "super_twisting",
     "super_twisting_sampled",
+    "tracker",
     "waypoints",
 ]

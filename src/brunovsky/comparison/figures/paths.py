@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.claim import is_regulation
 from brunovsky.comparison.figures.traces import (
     END,
     START,
@@ -17,7 +18,6 @@ from brunovsky.comparison.figures.traces import (
     Drawn,
     add_legend,
     drawable,
-    is_regulation,
     place_handles,
 )
 from brunovsky.comparison.metrics import Array, error_names, values

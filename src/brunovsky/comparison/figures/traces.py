@@ -30,7 +30,12 @@ def drawable(comparison: Comparison, scenario: Scenario) -> list[tuple[int, Law,
 
 
 def transient_window(comparison: Comparison, scenario: Scenario) -> float:
-    """Time up to which signals are shown, s: two and a half times the longest settling time, at least 2 s."""
+    """Time up to which signals are shown, s: two and a half times the longest settling time, at least 2 s.
+
+    The whole run where something acts on it that varies.
+    """
+    if scenario.signals:
+        return scenario.duration_s
     settled = [run.metrics.settling_time for _, run in comparison.laws_of(scenario) if run.ok]
     known = [one for one in settled if one is not None]
     if not known or len(known) < len(settled):
@@ -66,11 +71,6 @@ def draw_limits(axes: Axes, limits: Sequence[float], *, vertical: bool = False) 
 def layers(laws: Drawn) -> list[float]:
     """Half-widths of the boundary layers, m/s2."""
     return [run.planned.parameters["phi"] for _, law, run in laws if law.kind == "saturation"]
-
-
-def is_regulation(run: Run) -> bool:
-    """Whether the reference is a point."""
-    return run.planned.target is not None
 
 
 def add_legend(figure: Figure, laws: Sequence[tuple[int, Law]], more: Sequence[Line2D] = ()) -> None:

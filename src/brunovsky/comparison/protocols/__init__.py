@@ -6,6 +6,8 @@ Each takes a function that runs a law with parameters in a case and returns its 
 result with rows for CSV, plain data for JSON, a figure, and sentences that are never stronger than its numbers.
 """
 
+from brunovsky.comparison.protocols.coupling import Coupling
+from brunovsky.comparison.protocols.coupling_figure import coupling_figure
 from brunovsky.comparison.protocols.draws import Distribution, draw_case, noise_seed
 from brunovsky.comparison.protocols.equal_effort import EqualEffort, equal_effort
 from brunovsky.comparison.protocols.evaluation import Evaluate, Failure, Trial, step_sensitive_metrics
@@ -18,13 +20,17 @@ from brunovsky.comparison.protocols.figures import (
 )
 from brunovsky.comparison.protocols.map_figure import map_figure
 from brunovsky.comparison.protocols.mapped import Axis, Map, mapped
+from brunovsky.comparison.protocols.margins import MarginRow, MeasuredLoopMargins
+from brunovsky.comparison.protocols.margins_figure import margins_figure
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo, monte_carlo
+from brunovsky.comparison.protocols.monte_carlo_findings import monte_carlo_headline
 from brunovsky.comparison.protocols.pareto import Pareto, pareto
 from brunovsky.comparison.protocols.swept import Swept, swept
 from brunovsky.comparison.protocols.tuning import Knob, Tuning
 
 __all__ = [
     "Axis",
+    "Coupling",
     "Distribution",
     "EqualEffort",
     "Evaluate",
@@ -32,18 +38,23 @@ __all__ = [
     "Failure",
     "Knob",
     "Map",
+    "MarginRow",
+    "MeasuredLoopMargins",
     "MonteCarlo",
     "Pareto",
     "Swept",
     "Trial",
     "Tuning",
+    "coupling_figure",
     "draw_case",
     "equal_effort",
     "equal_effort_figure",
     "map_figure",
     "mapped",
+    "margins_figure",
     "monte_carlo",
     "monte_carlo_figure",
+    "monte_carlo_headline",
     "noise_seed",
     "pareto",
     "pareto_figure",

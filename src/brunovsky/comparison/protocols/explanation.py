@@ -71,10 +71,32 @@ MONTE_CARLO = Explanation(
 MAP = Explanation(
     "Map",
     "Each law is run from every point of the same grid, all else equal; one scale of lightness holds for all laws, "
-    "with lines of equal value. A cross is a run that failed, a ring one that ended without the metric being defined, a "
-    "dot one whose number changes by more than one per cent at half the step: it is in no sentence and no extreme. A map "
-    "is no protocol of fairness: it shows how a law depends on what is swept, and where.",
+    "with lines of equal value. A cross is a run that failed, a ring one that ended without the metric being "
+    "defined, a dot one whose number changes by more than one per cent at half the step: it is in no sentence and no "
+    "extreme. A map is no protocol of fairness: it shows how a law depends on what is swept, and where.",
     "Each point is one run, without spread. Between the points nothing was run: narrow valleys and ridges, such as the "
     "starts that pass near the singularity, are drawn only as finely as the grid is, and extremes are those of the "
     "grid. Laws are not tuned, and no point is more likely than another.",
+)
+MARGINS = Explanation(
+    "Measured margins",
+    "Each law does the same scenario with another gain, delay, lag or sampling period of its actuators; bisection "
+    "narrows down the first place where it no longer does. A run counts as stable if its position error stays within "
+    "the stated bound over the last quarter, without growing. Beside it stands what the linear part (P = 0), and the "
+    "linear loop within the boundary layer, are predicted to stand along the scenario’s motion.",
+    "A nonlinear loop has no margin as such: these belong to the scenario’s start and duration. A loop may lose "
+    "stability and regain it between two of the values that are tried first, and a finite run cannot tell slow decay "
+    "from slow growth. A law that chatters within the bound counts as stable. A prediction is of small deviations; a "
+    "start far from the reference is none.",
+)
+COUPLING = Explanation(
+    "Coupling at communication points",
+    "The same scenario with reference, law and robot as FMUs of their own, which exchange values at communication "
+    "points alone, all at once or in sequence, held or continued by derivatives; against the same loop as one system, "
+    "solved by Dormand-Prince with a tolerance of 1e-11. The error is the largest distance of the positions over all "
+    "communication points. The limit is the step at which the coupled linear part, one chain and its outer loop, loses "
+    "stability.",
+    "The error is that of the coupling and of the internal steps of the components together. A limit of stability is "
+    "one of small deviations about the linear part (P = 0); it says nothing about accuracy. Other masters exchange in "
+    "other orders.",
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from brunovsky.comparison.facts import number, percent
+from brunovsky.comparison.facts import joined, number, percent
 from brunovsky.comparison.protocols.evaluation import failures_told, phrase, unit, with_unit
 from brunovsky.comparison.protocols.paired import Difference, LawRates, RateDifference
 from brunovsky.comparison.statistics import Estimate
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def monte_carlo_findings(study: MonteCarlo) -> list[str]:
     """Failures and near-singularities first, then each metric."""
     told = failures_told(study.trials)
-    told += [_rates(one, study) for one in study.rates]
+    told += _all_rates(study)
     told += [_failures(one) for one in study.rate_differences if one.only_first or one.only_second]
     ranked = [metric for metric in study.metrics if metric not in study.step_sensitive]
     for metric in study.metrics:
@@ -36,20 +36,42 @@ def monte_carlo_findings(study: MonteCarlo) -> list[str]:
 
 
 def monte_carlo_headline(study: MonteCarlo) -> str:
-    """The first metric under each law: median with its interval, and in how many cases there is none."""
-    metric = study.metrics[0]
-    parts = []
+    """Median of the first metric under each law, and which laws no other beats by it, as far as intervals tell."""
+    return f"Over {study.cases} drawn cases {_first_medians(study)}{_unbeaten(study)}."
+
+
+def _first_medians(study: MonteCarlo) -> str:
+    """Median of the first metric under each law, and in how many cases it has none."""
+    metric, parts = study.metrics[0], []
     for one in study.summaries:
         if one.metric != metric:
             continue
         failed = sum(trial.failure is not None for trial in study.trials if trial.law == one.law)
         missing = sum(value is None for value in study.values(one.law, metric)) - failed
-        text = (
-            f"{interval(one.median)} under “{one.law}”" if one.median.estimate is not None else f"“{one.law}” has none"
-        )
-        lost = [f"{number} {word}" for number, word in ((failed, "failed"), (missing, "without it")) if number]
-        parts.append(f"{text} ({', '.join(lost)})" if lost else text)
-    return f"Over {study.cases} drawn cases the median of the {with_unit(metric)}: {'; '.join(parts)}."
+        text = f"unknown under “{one.law}”" if one.median.estimate is None else f"{interval(one.median)} (“{one.law}”)"
+        lost = [f"{count} {word}" for count, word in ((failed, "failed"), (missing, "without it")) if count]
+        parts.append(f"{text}, {' and '.join(lost)}" if lost else text)
+    return f"the median of the {with_unit(metric)}, is {'; '.join(parts)}"
+
+
+def _unbeaten(study: MonteCarlo) -> str:
+    """Which laws no other beats by the first metric that may rank, as far as the intervals tell laws apart."""
+    metric = next((one for one in study.metrics if one not in study.step_sensitive), None)
+    pairs = [one for one in study.differences if one.metric == metric and one.median.n]
+    if metric is None or not pairs:
+        return ""
+    told = [one for one in pairs if one.lower is not None]
+    if not told:
+        return f". No two laws are told apart by the {phrase(metric)}"
+    beaten = {one.second if one.lower == one.first else one.first for one in told}
+    names = dict.fromkeys(name for one in pairs for name in (one.first, one.second))
+    best = [f"“{name}”" for name in names if name not in beaten]
+    if not best:
+        return f". Each law is beaten by another one by the {phrase(metric)}"
+    return (
+        f". No law has a lower {phrase(metric)} than {joined(best)}, as far as laws are told apart ({len(told)} of "
+        f"{len(pairs)} pairs are)"
+    )
 
 
 def interval(one: Estimate, digits: int = 3) -> str:
@@ -59,6 +81,19 @@ def interval(one: Estimate, digits: int = 3) -> str:
     if one.low is None or one.high is None:
         return f"{number(one.estimate, digits)} ({one.note})"
     return f"{number(one.estimate, digits)} [{number(one.low, digits)}, {number(one.high, digits)}]"
+
+
+def _all_rates(study: MonteCarlo) -> list[str]:
+    """Rates of each law, in one sentence where they are nil under all."""
+    first = study.rates[0]
+    nil = all(one.failure.estimate == 0.0 and one.near_singular.estimate == 0.0 for one in study.rates)
+    if not nil or len({one.failure.n for one in study.rates}) > 1:
+        return [_rates(one, study) for one in study.rates]
+    limit = f"{number(study.singular_below)} {unit(study.singular_metric)}".rstrip()
+    return [
+        f"Under no law any of {first.failure.n} runs failed ({_share(first.failure)} of each), nor came nearer to the "
+        f"singularity than {limit} while moving."
+    ]
 
 
 def _rates(one: LawRates, study: MonteCarlo) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from brunovsky.comparison.claim import Claim, Verdict, is_nominal
 from brunovsky.comparison.claim_performance import FAST, VIOLENT
 from brunovsky.comparison.facts import given, joined, percent
+from brunovsky.comparison.features import run_features
 from brunovsky.comparison.findings_steady import HARDLY, ROUNDING, STILL
 from brunovsky.comparison.protocol_section import ProtocolSection
 from brunovsky.comparison.run import Comparison, Run
@@ -15,6 +16,16 @@ from brunovsky.comparison.sensitivity import both, converged, largest, spread_of
 
 Pair = tuple[Run, Run]
 _SHARE = {"settling_time": "the settling time to 1 cm", "rms_tail_error": "the RMS error of the last quarter"}
+
+_ACTING = {
+    "disturbance": "disturbances",
+    "uncertainty": "parameter errors",
+    "noise": "measurement noise",
+    "lag": "actuator lags",
+    "delay": "delays",
+    "limits": "limits of the inputs",
+    "sampling": "sampling",
+}
 
 
 def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[ProtocolSection] = ()) -> list[str]:
@@ -69,12 +80,18 @@ def _compared(label: str, pairs: list[Pair]) -> list[str]:
     for name, some, where in (
         ("settling_time", nominal, "without disturbance"),
         ("rms_tail_error", nominal, "without disturbance"),
-        ("rms_tail_error", others, "under disturbances and parameter errors"),
+        ("rms_tail_error", others, f"under {_acting(others)}"),
     ):
         sentence = _difference(name, some)
         if sentence:
             sentences.append(f"Against pole placement and {where}, {label} {sentence}")
     return [*sentences, *_price(label, pairs)]
+
+
+def _acting(pairs: list[Pair]) -> str:
+    """What the runs of some pairs have that the nominal ones have not."""
+    there = {one for pair in pairs for one in run_features(pair[0].planned)}
+    return joined([text for name, text in _ACTING.items() if name in there] or ["other conditions"])
 
 
 def _difference(name: str, pairs: list[Pair]) -> str:

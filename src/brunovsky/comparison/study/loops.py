@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any, Literal, get_args
@@ -17,6 +17,8 @@ LawKind = Literal[
     "sign",
     "relay",
     "sampled",
+    "sampled_exact",
+    "sampled_explicit",
     "super_twisting",
     "super_twisting_sampled",
     "integral_sliding_mode",
@@ -35,6 +37,10 @@ FAMILY: tuple[LawKind, ...] = ("linear", "saturation", "sign")
 """Kinds that are the paper's law and differ in P and phi alone; the others are blocks of their own."""
 
 _RENAMED = {"relay": "sliding_mode_relay", "sampled": "sliding_mode_sampled"}
+_OPTIONS: Mapping[str, Mapping[str, Any]] = {
+    "sampled_exact": {"surface_map": "exact"},
+    "sampled_explicit": {"scheme": "explicit"},
+}  # of sliding_mode_sampled
 _ACCELERATIONS = ("polar_sliding_mode", "backstepping")  # laws that command the bare robot
 _FROM_REST = {"rest_to_rest": "rest_to_rest", "goal_frame": "goal_frame_manoeuvre"}  # whole loops of their own
 
@@ -97,13 +103,15 @@ def knows_hardware(kind: LawKind) -> bool:
 
 @lru_cache
 def _made(loop: Loop) -> Diagram:
-    make: Callable[[], Any] = getattr(library, _FROM_REST.get(loop.controller, loop.controller))
+    options = _OPTIONS.get(loop.controller, {})
+    name = _FROM_REST.get(loop.controller, _RENAMED["sampled"] if options else loop.controller)
+    make: Callable[..., Any] = getattr(library, name)
     if loop.controller in _FROM_REST:
         whole: Diagram = make()
         return whole
     if loop.controller in _ACCELERATIONS:
         return library.posture_loop(make())
-    controller = None if loop.controller == "sliding_mode" else make()
+    controller = None if loop.controller == "sliding_mode" else make(**options)
     if loop.hardware == IDEAL:
         return library.closed_loop(controller)
     plant = library.robot_with_hardware(**asdict(loop.hardware))

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, ValidationInfo, model_validator
 
 from brunovsky._frozen import FrozenMapping
+from brunovsky.analysis.coupling.scheme import Scheme
 from brunovsky.comparison.definitions import METRIC_DEFINITIONS, definition
 from brunovsky.comparison.study.keys import kinds_of, known_parameter, remedy
 from brunovsky.comparison.study.law import Name
@@ -18,6 +19,16 @@ BANDWIDTH = "bandwidth"
 MOST_POINTS = 20_000  # of a map
 
 
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "lag_s": ("lag[1]", "lag[2]"),
+    "delay_s": ("delay[1]", "delay[2]"),
+    "sampling_period_s": ("sampling_period", "controller.sampling_period"),
+    "loop_gain": ("rho[1]", "rho[2]"),
+}
+"""Knobs that set several parameters of a loop alike: lags and delays of both commands where the scenario has them, the
+period of sensors, law and commands, and the gain of both actuators (ratios of nominal to true mass and inertia)."""
+
+
 def _metric(name: str) -> str:
     if definition(name) is None:
         raise ValueError(f"there is no metric '{name}'; {remedy(name, [one.name for one in METRIC_DEFINITIONS])}")
@@ -25,7 +36,7 @@ def _metric(name: str) -> str:
 
 
 def _knob(text: str, info: ValidationInfo) -> str:
-    if text != BANDWIDTH:
+    if text != BANDWIDTH and text not in GROUPS:
         known_parameter(text, kinds_of(info))
     return text
 
@@ -36,6 +47,8 @@ def _frozen(table: Mapping[str, object]) -> FrozenMapping[str, object]:
 
 Metric = Annotated[str, AfterValidator(_metric)]
 KnobKey = Annotated[str, AfterValidator(_knob)]
+Cut = Literal["u1", "u2", "both"]
+Change = Literal["gain", "delay", "lag", "two_lags", "sampling"]
 Range = Annotated[tuple[FiniteFloat, FiniteFloat], Field(strict=False)]
 
 
@@ -96,7 +109,7 @@ class EqualEffortTable(_Protocol):
     target: Annotated[FiniteFloat, Field(gt=0.0)] | None = None
     target_law: str | None = None
     tuned: Annotated[Mapping[str, KnobTable], *_Plain] = Field(min_length=1)
-    budget: Annotated[int, Field(ge=4, le=1000)] = 40
+    budget: Annotated[int, Field(ge=10, le=1000)] = 40
 
     @model_validator(mode="after")
     def _check(self) -> EqualEffortTable:
@@ -232,7 +245,60 @@ class MapTable(_Protocol):
         return {"": {self.across.knob, *([self.up.knob] if self.up else [])}}
 
 
+class MarginsTable(_Protocol):
+    """Gain, delay, lags or sampling period at which each law loses a scenario, by bisection on whole simulations.
+
+    Each change acts at the actuators of ``cuts``: of u1, of u2, or of both alike. A run counts as stable if its
+    position error stays within ``bound_m`` over its last quarter without growing, where what is below ``still_m`` may
+    grow; the runs are native.
+    """
+
+    kind: Literal["margins"]
+    metrics: tuple[Metric, ...] = Field(default=(), strict=False)
+    cuts: tuple[Cut, ...] = Field(default=("both",), min_length=1, strict=False)
+    changes: tuple[Change, ...] = Field(default=("gain", "delay", "lag", "two_lags"), min_length=1, strict=False)
+    bound_m: Annotated[FiniteFloat, Field(gt=0.0)] = 0.05
+    still_m: Annotated[FiniteFloat, Field(gt=0.0)] = 1e-4
+    lowest_gain: Annotated[FiniteFloat, Field(gt=0.0, lt=1.0)] = 0.01
+    highest_gain: Annotated[FiniteFloat, Field(gt=1.0)] = 100.0
+    shortest_s: Annotated[FiniteFloat, Field(gt=0.0)] = 1e-3
+    longest_s: Annotated[FiniteFloat, Field(gt=0.0)] = 0.1
+    tolerance: Annotated[FiniteFloat, Field(gt=0.0, le=0.2)] = 0.01
+
+    @model_validator(mode="after")
+    def _check(self) -> MarginsTable:
+        if self.shortest_s >= self.longest_s:
+            raise ValueError(f"shortest_s = {self.shortest_s:g} must be below longest_s = {self.longest_s:g}")
+        if "sampling" in self.changes and self.cuts != ("both",):
+            raise ValueError("sampling changes sensors, law and all commands together; give cuts = ['both']")
+        return self
+
+
+class CouplingTable(_Protocol):
+    """Components of a loop as FMUs that exchange values at communication points alone, against the loop as one system.
+
+    A run whose error exceeds ``lost_m`` counts as lost; the order of convergence is that of steps up to ``small_s``.
+    """
+
+    kind: Literal["coupling"]
+    metrics: tuple[Metric, ...] = Field(default=(), strict=False)
+    communication_steps_s: tuple[Annotated[FiniteFloat, Field(gt=0.0)], ...] = Field(min_length=2, strict=False)
+    schemes: tuple[Scheme, ...] = Field(default=("jacobi", "gauss_seidel"), min_length=1, strict=False)
+    derivatives: tuple[Annotated[int, Field(ge=0, le=3)], ...] = Field(default=(0, 1), min_length=1, strict=False)
+    lost_m: Annotated[FiniteFloat, Field(gt=0.0)] = 1.0
+    small_s: Annotated[FiniteFloat, Field(gt=0.0)] = 2e-3
+
+
+ANY_PROTOCOL = (
+    SweptTable,
+    EqualEffortTable,
+    ParetoTable,
+    MonteCarloTable,
+    MapTable,
+    MarginsTable,
+    CouplingTable,
+)
 Protocol: TypeAlias = Annotated[
-    SweptTable | EqualEffortTable | ParetoTable | MonteCarloTable | MapTable, Field(discriminator="kind")
+    SweptTable | EqualEffortTable | ParetoTable | MonteCarloTable | MapTable | MarginsTable | CouplingTable,
+    Field(discriminator="kind"),
 ]
-ANY_PROTOCOL = (SweptTable, EqualEffortTable, ParetoTable, MonteCarloTable, MapTable)

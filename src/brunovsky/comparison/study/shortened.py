@@ -7,9 +7,11 @@ from typing import Any
 
 TRIALS: Mapping[str, Callable[[dict[str, Any]], dict[str, Any]]] = {
     "swept": lambda one: {"values": (one["values"][0], one["values"][-1])},
-    "equal_effort": lambda one: {"budget": 4},
+    "equal_effort": lambda one: {"budget": 10},
     "pareto": lambda one: {"budget": 2},
     "map": lambda one: {axis: {**one[axis], "points": 2} for axis in ("across", "up") if one.get(axis)},
+    "coupling": lambda one: {"communication_steps_s": one["communication_steps_s"][-2:], "derivatives": (0,)},
+    "margins": lambda one: {"cuts": one["cuts"][-1:], "changes": one["changes"][-1:], "tolerance": 0.2},
     "monte_carlo": lambda one: {"cases": min(one["cases"], 3)},
 }
 """What of a protocol is cut, by its kind."""

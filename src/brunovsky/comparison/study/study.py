@@ -22,7 +22,7 @@ from brunovsky.comparison.study.chatter_grid import MOST_POINTS, ChatterGrid, Ch
 from brunovsky.comparison.study.communication import check_communication
 from brunovsky.comparison.study.keys import loop_keys, parameter_keys, remedy, study_block
 from brunovsky.comparison.study.law import Law, Name
-from brunovsky.comparison.study.loops import KINDS, LawKind, knows_hardware
+from brunovsky.comparison.study.loops import KINDS, Hardware, LawKind, knows_hardware
 from brunovsky.comparison.study.planned import PlannedRun
 from brunovsky.comparison.study.planning import check_protocol, planned_run
 from brunovsky.comparison.study.problems import describe
@@ -231,9 +231,14 @@ class Study(StudyTable):
         return tuple(one for one in laws if protocol.laws is None or one.name in protocol.laws)
 
     def planned_case(
-        self, protocol: Protocol, law: Law, changed: Mapping[str, float], seed: tuple[int, ...] | None = None
+        self,
+        protocol: Protocol,
+        law: Law,
+        changed: Mapping[str, float],
+        seed: tuple[int, ...] | None = None,
+        hardware: Hardware | None = None,
     ) -> PlannedRun:
-        """One run of a protocol: its scenario under a law, with keys changed, and another seed of the noise."""
+        """One run of a protocol: its scenario under a law, with keys changed, another seed of the noise or hardware."""
         scenario = self.scenario(protocol.scenario)
         return planned_run(
             law,
@@ -244,6 +249,7 @@ class Study(StudyTable):
             band=self.band,
             changed=changed,
             duration=protocol.duration_s,
+            hardware=hardware,
         )
 
     def shortened(self, duration_s: float = 1.0) -> Study:

@@ -39,14 +39,7 @@ def preview(reference: Block, period: float = 0.01) -> Block:
     ParameterError
         If the period is not positive.
     """
-    if not isinstance(reference, Block):
-        raise ModelError(f"preview takes a Block, not {reference!r}; give a reference such as circle()")
-    memory = [kind for kind in ("inputs", "states", "samples", "modes") if getattr(reference, kind)]
-    if memory:
-        raise ModelError(
-            f"{reference.name} has {' and '.join(memory)}, so that its values to come are not known; preview takes "
-            "references that are functions of time"
-        )
+    check_timed(reference, "preview")
     parameter = sampling_period(period, "preview")
     later: dict[sp.Basic, sp.Basic] = {TIME: TIME + parameter.symbol}
     shifted = []
@@ -69,3 +62,21 @@ def preview(reference: Block, period: float = 0.01) -> Block:
         relations=(*reference.relations, *shifted),
         checks=reference.checks,
     )
+
+
+def check_timed(reference: Block, taker: str) -> None:
+    """Refuse what is no reference known in advance.
+
+    Raises
+    ------
+    ModelError
+        If it is no block, or has inputs, states, samples or modes.
+    """
+    if not isinstance(reference, Block):
+        raise ModelError(f"{taker} takes a Block, not {reference!r}; give a reference such as circle()")
+    memory = [kind for kind in ("inputs", "states", "samples", "modes") if getattr(reference, kind)]
+    if memory:
+        raise ModelError(
+            f"{reference.name} has {' and '.join(memory)}, so that its values to come are not known; {taker} takes "
+            "references that are functions of time"
+        )

@@ -5,5 +5,6 @@ from rest to rest and hands the chains a reference that starts and stops regular
 """
 
 from brunovsky.blocks.library.rest_to_rest.regulator import regulator, rest_to_rest
+from brunovsky.blocks.library.rest_to_rest.tracker import rest_to_trajectory, tracker
 
-__all__ = ["regulator", "rest_to_rest"]
+__all__ = ["regulator", "rest_to_rest", "rest_to_trajectory", "tracker"]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import sympy as sp
 
 from brunovsky.blocks.library.heading import direction, turned
+from brunovsky.blocks.library.rest_to_rest.follow import Target
 from brunovsky.blocks.library.rest_to_rest.motion import BRAKED, COMMAND, DRIVE, SPEEDS, Following, braking_time
 from brunovsky.blocks.library.rest_to_rest.path import Pose, wrapped
-from brunovsky.blocks.library.rest_to_rest.plan import BRAKING, MOVING, PATH, PLANNED_GOAL, REST, turn_in_place
+from brunovsky.blocks.library.rest_to_rest.plan import BRAKING, MOVING, PLANNED_GOAL, REST, TURN, turn_in_place
 from brunovsky.blocks.library.rest_to_rest.search import begin_search
 from brunovsky.blocks.library.rest_to_rest.timing import Limits
 from brunovsky.blocks.variables import TIME, Parameter, Relation, Transition, symbol, symbols
@@ -52,14 +53,20 @@ def watched(here: Pose, goal: Pose, path: Following) -> dict[str, Relation]:
     return {name: Relation(name, expression) for name, expression in conditions.items()}
 
 
-def changes(here: Pose, goal: Pose, limits: Limits, watch: dict[str, Relation]) -> tuple[Transition, ...]:
+def changes(
+    here: Pose,
+    goal: Pose,
+    limits: Limits,
+    watch: dict[str, Relation],
+    target: Target,
+) -> tuple[Transition, ...]:
     """Transitions between rest, moving and braking; the first declared has precedence."""
     is_ = {name: one.symbol for name, one in watch.items()}
     mode, leg, search = symbols("mode", "leg", "search")
-    idle = sp.And(sp.Eq(mode, REST), sp.Eq(search, 0))
+    idle = sp.And(sp.Eq(mode, REST), sp.Eq(search, 0), target.ready)
     moving, over = sp.Eq(mode, MOVING), sp.Not(is_["before"])
     away = sp.Or(is_["beside"], is_["beyond"])
-    lost = sp.And(sp.Eq(leg, PATH), sp.Or(is_["off"], is_["turned_away"]))
+    lost = sp.And(sp.Ne(leg, TURN), sp.Or(is_["off"], is_["turned_away"]))
     brake = {
         mode: sp.Integer(BRAKING),
         symbol("begin"): TIME,
@@ -69,7 +76,10 @@ def changes(here: Pose, goal: Pose, limits: Limits, watch: dict[str, Relation]) 
     }
     stop = {mode: sp.Integer(REST), COMMAND: sp.S.Zero}
     align = turn_in_place(here, goal, wrapped(goal.heading - here.heading), limits)
+    course = target.course
+    close = sp.And(target.ready, is_["still"], sp.Not(away), sp.Not(is_["askew"]))
     return (
+        *(course.transitions(limits, close, sp.And(sp.Not(over), lost), over) if course else ()),
         Transition("plan", sp.And(idle, is_["still"], away), begin_search()),
         Transition("align", sp.And(idle, is_["still"], sp.Not(away), is_["askew"]), align),
         Transition("catch", sp.And(idle, is_["disturbed"]), brake),

@@ -9,7 +9,7 @@ import sympy as sp
 from brunovsky.blocks.guard import Guard
 from brunovsky.blocks.library.heading import direction
 from brunovsky.blocks.library.rest_to_rest.path import PARAMETER, Pose, wrapped
-from brunovsky.blocks.library.rest_to_rest.plan import FROM, TO
+from brunovsky.blocks.library.rest_to_rest.plan import COURSE, FROM, TO
 from brunovsky.blocks.library.rest_to_rest.reference import Drive, Reference
 from brunovsky.blocks.library.rest_to_rest.timing import Limits, rise, swept
 from brunovsky.blocks.library.robot import robot_linearization
@@ -40,14 +40,18 @@ class Following:
     heading_cosine: sp.Expr
 
 
-def following(theta: sp.Expr) -> Following:
+def following(theta: sp.Expr, course: Reference | None = None) -> Following:
     """Tracking of the leg's path by the linearising law, which fades near rest into a law for the heading.
+
+    On the leg ``COURSE`` it tracks the reference ``course``, if there is one.
 
     The law of the linearisation is ``u2 = n/eta1``. Below ``eta_min`` ``u2 = n eta1/eta_min^2 + (1 - eta1^2/eta_min^2)
     u2_heading``: regular at rest, where ``u2_heading`` is the path's own, and continuous at ``eta_min``.
     """
     parameter = {PARAMETER: symbol("path_parameter")}
     one = Reference.along(FROM.path_to(TO, symbol("tangent")), DRIVE, symbol("direction")).at(parameter)
+    if course:
+        one = one.unless(sp.Eq(symbol("leg"), COURSE), course)
     chains = robot_linearization()
     (jerk,) = set(chains.law) - {symbol("u[2]")}
     new = dict(zip(chains.outer_inputs, symbols("v[1]", "v[2]"), strict=True)) | {symbol("u[1]"): COMMAND}

@@ -11,8 +11,8 @@ from brunovsky.blocks.variables import TIME, held, symbol, symbols
 
 REST, MOVING, BRAKING = 0, 1, 2
 """Values of ``mode``."""
-TURN, PATH = 0, 1
-"""Values of ``leg``."""
+TURN, PATH, COURSE = 0, 1, 2
+"""Values of ``leg``: a turn in place, a path, and a reference that is tracked."""
 
 PLAN = (
     held("from_x", "m", "start of the leg, x"),

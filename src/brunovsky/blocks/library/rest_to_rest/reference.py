@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,9 +62,19 @@ class Reference:
     @classmethod
     def along(cls, path: sp.Matrix, drive: Drive, direction: sp.Expr) -> Reference:
         """Reference along a path in its parameter; ``direction`` is 1, or -1 where it is driven backward."""
+        return cls.driven([path.diff(PARAMETER, k) if k else path for k in range(4)], drive, direction)
+
+    @classmethod
+    def driven(
+        cls, path: Sequence[sp.Matrix], drive: Drive, direction: sp.Expr, scale: sp.Expr | None = None
+    ) -> Reference:
+        """Reference along a path given with its derivatives 1 to 3 by its parameter.
+
+        ``scale`` is the speed of the drive at which the parameter has the rate 1, a constant; without it the drive's
+        speed is that along the path.
+        """
         position = sp.Matrix([one(PARAMETER) for one in _COORDINATES])
-        speed = _VELOCITY(TIME)
-        rate = speed / path_speed(position)
+        rate = _VELOCITY(TIME) / (scale or path_speed(position))
 
         def in_time(expression: sp.Expr) -> sp.Expr:
             return expression.diff(TIME) + expression.diff(PARAMETER) * rate
@@ -72,17 +83,17 @@ class Reference:
         second = first.applyfunc(in_time)
         third = second.applyfunc(in_time)
         heading = direction * position.diff(PARAMETER) / path_speed(position)
-        yaw_rate = curvature(position) * speed
+        yaw_rate = curvature(position) * path_speed(position) * rate
         values = _derivatives(_VELOCITY(TIME), drive.velocity, TIME, 2)
-        for one, coordinate in zip(position, path, strict=True):
-            values |= _derivatives(one, coordinate, PARAMETER, 4)
+        for i, one in enumerate(position):
+            values |= {one.diff(PARAMETER, k) if k else one: each[i] for k, each in enumerate(path)}
 
         def on_path(expression: Any) -> Any:
             return expression.xreplace(values)
 
         return cls(
             on_path(rate),
-            path,
+            path[0],
             (on_path(first), on_path(second), on_path(third)),
             on_path(heading),
             on_path(yaw_rate),
@@ -99,6 +110,24 @@ class Reference:
             self.direction.xreplace(parameter),
             self.yaw_rate.xreplace(parameter),
             self.yaw_acceleration.xreplace(parameter),
+        )
+
+    def unless(self, condition: sp.logic.boolalg.Boolean, other: Reference) -> Reference:
+        """The same, but another one where a condition holds; the parameter stays the own one."""
+
+        def chosen(own: Any, others: Any) -> Any:
+            if isinstance(own, sp.MatrixBase):
+                return sp.Matrix([chosen(*pair) for pair in zip(own, others, strict=True)])
+            return sp.Piecewise((others, condition), (own, True))
+
+        first, second, third = map(chosen, self.derivatives, other.derivatives)
+        return Reference(
+            self.parameter_rate,
+            chosen(self.position, other.position),
+            (first, second, third),
+            chosen(self.direction, other.direction),
+            chosen(self.yaw_rate, other.yaw_rate),
+            chosen(self.yaw_acceleration, other.yaw_acceleration),
         )
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
 from brunovsky.blocks.library.outer_loops import sliding_mode
@@ -53,21 +56,27 @@ def regulator(law: Block | None = None) -> Diagram:
     Minimum jerk: T. Flash and N. Hogan, "The coordination of arm movements: an experimentally confirmed mathematical
     model", J. Neurosci. 5(7), 1688-1703, 1985, doi:10.1523/JNEUROSCI.05-07-01688.1985.
     """
-    outer = law or sliding_mode(surface=SURFACE, Q=4.0, P=0.0)
-    head = supervisor()
-    provided = {one.name for one in head.outputs}
-    connections = {f"law.{one.name}": f"supervisor.{one.name}" for one in outer.inputs if one.name in provided}
-    connections |= {f"supervisor.v[{i}]": f"law.v[{i}]" for i in (1, 2)}
     return Diagram(
         "regulator",
         "regulator of the bare robot from rest to rest, with heading: planner, supervisor, outer and inner loop",
-        components={"supervisor": head, "law": outer},
-        connections=connections,
         inputs={one: f"supervisor.{one}" for one in (*_GOAL, *_STATE)},
         outputs={one: f"supervisor.{one}" for one in (*_COMMANDS, "mode")},
-        parameters={one.name: f"{key}.{one.name}" for key, part in (("supervisor", head), ("law", outer))
-                    for one in part.parameters},
-    )  # fmt: skip
+        **with_outer_loop(supervisor(), law),
+    )
+
+
+def with_outer_loop(head: Block, law: Block | None) -> dict[str, Any]:
+    """Components, connections and parameters of a supervisor with its outer loop."""
+    outer = law or sliding_mode(surface=SURFACE, Q=4.0, P=0.0)
+    provided = {one.name for one in head.outputs}
+    connections = {f"law.{one.name}": f"supervisor.{one.name}" for one in outer.inputs if one.name in provided}
+    connections |= {f"supervisor.v[{i}]": f"law.v[{i}]" for i in (1, 2)}
+    return {
+        "components": {"supervisor": head, "law": outer},
+        "connections": connections,
+        "parameters": {one.name: f"{key}.{one.name}" for key, part in (("supervisor", head), ("law", outer))
+                       for one in part.parameters},
+    }  # fmt: skip
 
 
 def rest_to_rest(regulator_block: Block | None = None) -> Diagram:
@@ -85,23 +94,34 @@ def rest_to_rest(regulator_block: Block | None = None) -> Diagram:
         ``x_start``, ``y_start``, ``theta_start``, ``eta_start[1..2]``, the tunable ``goal[1..2]`` and
         ``goal_heading``, those of the regulator, and ``rho[1..2]``.
     """
-    controller, plant, target = regulator_block or regulator(), robot(), _goal()
-    connections = {f"regulator.{one}": f"goal.target.{one}" for one in _GOAL}
-    connections |= {f"regulator.{one}": f"robot.{one}" for one in _STATE}
-    connections |= {f"robot.{one}": f"regulator.{one}" for one in _COMMANDS}
-    parameters = {one.name: f"robot.{one.name}" for one in plant.parameters}
-    parameters |= {one.name: f"goal.{one.name}" for one in target.parameters}
-    parameters |= {one.name: f"regulator.{one.name}" for one in controller.parameters}
+    control, target = regulator_block or regulator(), _goal()
     return Diagram(
         "rest_to_rest",
         "robot that starts, arrives and stops at a goal with heading",
-        components={"goal": target, "regulator": controller, "robot": plant},
-        connections=connections,
-        inputs={f"d[{i}]": f"robot.d[{i}]" for i in (1, 2)},
-        outputs={one: f"robot.{one}" for one in _STATE} | {one: f"regulator.{one}" for one in (*_COMMANDS, "mode")},
-        parameters=parameters,
-        values={"eta_start[1]": 0.0},
-    )
+        **bare_robot_loop("regulator", control, ("mode",), {"goal": target},
+                          {f"regulator.{one}": f"goal.target.{one}" for one in _GOAL}),
+    )  # fmt: skip
+
+
+def bare_robot_loop(
+    name: str, control: Block, shown: Sequence[str], before: Mapping[str, Block], connections: Mapping[str, str]
+) -> dict[str, Any]:
+    """Parts of the diagram of a controller, by its name, and the bare robot, at rest by default.
+
+    ``shown`` are outputs of the controller beside its commands, ``before`` and ``connections`` what feeds it.
+    """
+    plant = robot()
+    wires = dict(connections) | {f"{name}.{one}": f"robot.{one}" for one in _STATE}
+    wires |= {f"robot.{one}": f"{name}.{one}" for one in _COMMANDS}
+    parts = {"robot": plant, **before, name: control}
+    return {
+        "components": {**before, name: control, "robot": plant},
+        "connections": wires,
+        "inputs": {f"d[{i}]": f"robot.d[{i}]" for i in (1, 2)},
+        "outputs": {one: f"robot.{one}" for one in _STATE} | {one: f"{name}.{one}" for one in (*_COMMANDS, *shown)},
+        "parameters": {one.name: f"{key}.{one.name}" for key, part in parts.items() for one in part.parameters},
+        "values": {"eta_start[1]": 0.0},
+    }
 
 
 def _goal() -> Block:

@@ -12,6 +12,7 @@ from brunovsky.blocks.library.chains import ROBOT_CHAINS
 from brunovsky.blocks.library.rest_to_rest import motion
 from brunovsky.blocks.library.rest_to_rest.candidates import candidates
 from brunovsky.blocks.library.rest_to_rest.feasibility import feasibility
+from brunovsky.blocks.library.rest_to_rest.follow import Target, reference_target
 from brunovsky.blocks.library.rest_to_rest.modes import TOLERANCE, TUBE, changes, watched
 from brunovsky.blocks.library.rest_to_rest.motion import COMMAND, ETA_MIN, RATE, SPEEDS
 from brunovsky.blocks.library.rest_to_rest.path import Pose
@@ -51,7 +52,7 @@ _RESERVE = Parameter("reserve", "1", "part of u_limit that plans leave to the la
 _OBSERVER = Parameter("observer_rate", "1/s", "rate of the observer of disturbances", 20.0, 0.0, tunable=True)
 _MODES = (
     Mode("mode", "1", "0 at rest, 1 moving, 2 braking"),
-    Mode("leg", "1", "0 a turn in place, 1 a path"),
+    Mode("leg", "1", "0 a turn in place, 1 a path, 2 a reference"),
     Mode("search", "1", "step of the search for a plan, 0 if there is none"),
     Mode("choice", "1", "manoeuvre chosen so far"),
     Mode("carry", "1", "1 where the path timed before is driven after this one"),
@@ -60,22 +61,29 @@ _MODES = (
 
 
 @cache
-def supervisor() -> Block:
-    """Supervisor of :func:`regulator`: everything but the outer loop.
+def supervisor(tracking: bool = False) -> Block:
+    """Supervisor of :func:`regulator` or :func:`tracker`: everything but the outer loop, and but the reference.
+
+    Parameters
+    ----------
+    tracking : bool
+        Whether the goal is the pose of a reference, which is tracked from there.
 
     Returns
     -------
     Block
-        Inputs the goal, the robot's state and ``v[1..2]``; outputs ``u[1..2]``, ``mode``, the chains ``Z1[k]``,
-        ``Z2[k]`` and their reference ``Z1d[k]``, ``Z2d[k]``, ``zd3[i]``.
+        Inputs the goal, or the reference by its own clock, the robot's state and ``v[1..2]``; outputs ``u[1..2]``,
+        ``mode``, the chains ``Z1[k]``, ``Z2[k]`` and their reference ``Z1d[k]``, ``Z2d[k]``, ``zd3[i]``.
     """
     mode, leg, awake = symbols("mode", "leg", "awake")
     here, goal = Pose(*(one.symbol for one in ROBOT[:3])), Pose(*(one.symbol for one in GOAL))
     limits = Limits(*(one.symbol for one in _LIMITS)).planned(_RESERVE.symbol)
-    path = motion.following(here.heading)
+    target = reference_target() if tracking else Target(GOAL)
+    path = motion.following(here.heading, target.course.reference if target.course else None)
     watch = watched(here, goal, path)
     away = sp.Or(watch["beside"].symbol, watch["beyond"].symbol)
     on_path = sp.And(sp.Eq(mode, MOVING), sp.Eq(leg, PATH))
+    tracks = sp.And(sp.Eq(mode, MOVING), sp.Ne(leg, TURN))
     wanted = [
         sp.Piecewise((turn, sp.And(sp.Eq(mode, MOVING), sp.Eq(leg, TURN))), (follow, sp.Eq(mode, MOVING)),
                      (brake, sp.Eq(mode, BRAKING)), (rest, True))
@@ -88,28 +96,31 @@ def supervisor() -> Block:
     return Block(
         "supervisor",
         "planner, modes, reference and inner loop of the regulator",
-        inputs=(*GOAL, *ROBOT, *(Input(f"v[{i}]", "m/s3", f"input of chain {i}") for i in (1, 2))),
-        parameters=(*_LIMITS, _RESERVE, TOLERANCE, TUBE, RATE, _OBSERVER, ETA_MIN),
+        inputs=(*target.inputs, *ROBOT, *(Input(f"v[{i}]", "m/s3", f"input of chain {i}") for i in (1, 2))),
+        parameters=(*_LIMITS, _RESERVE, TOLERANCE, TUBE, RATE, _OBSERVER, ETA_MIN, *target.parameters),
         states=(
             State("path_parameter", "1", "path parameter of the reference",
                   sp.Piecewise((path.reference.parameter_rate, on_path), (0, True))),
             State(str(COMMAND), "m/s2", "compensator: commanded forward acceleration",
-                  sp.Piecewise((path.jerk, on_path), (0, True))),
+                  sp.Piecewise((path.jerk, tracks), (0, True))),
+            *target.states,
             State("xi[1]", "m/s", "forward velocity without disturbance", wanted[0]),
             State("xi[2]", "rad/s", "yaw rate without disturbance", wanted[1]),
         ),
-        samples=(*PLAN, *SEARCH),
-        modes=_MODES,
+        samples=(*PLAN, *SEARCH, *target.samples),
+        modes=(*_MODES, *target.modes),
         outputs=(
             *(Output(**described(one), expression=asked - disturbed)
               for one, asked, disturbed in zip(COMMANDS, wanted, disturbance, strict=True)),
             Output("mode", "1", "0 at rest, 1 moving, 2 braking", mode),
+            *target.outputs,
             *_chain_outputs(path.reference),
         ),
-        relations=(*watch.values(), CHEAPER, *motion.relations()),
+        relations=(*watch.values(), CHEAPER, *motion.relations(), *target.relations),
         transitions=(
-            Transition("wake", sp.Eq(awake, 0), {awake: sp.S.One, **dict(zip(undisturbed, SPEEDS, strict=True))}),
-            *changes(here, goal, limits, watch),
+            Transition("wake", sp.Eq(awake, 0), {awake: sp.S.One, **dict(zip(undisturbed, SPEEDS, strict=True)),
+                                                 **target.wake}),
+            *changes(here, goal, limits, watch, target),
             *search_transitions(candidates(here, goal, limits), here, goal, limits),
         ),
         checks=feasibility(Limits(*(one.symbol for one in _LIMITS)), limits, _OBSERVER.symbol),

@@ -1,0 +1,212 @@
+"""Chatter that the runs of a study show, beside what is predicted of it: a section of the report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from brunovsky.analysis import (
+    LimitCycle,
+    SwitchingLoop,
+    predicted_cycles,
+    predicted_robot_chatter,
+    relay_cycles,
+    sampled_chatter_band,
+)
+from brunovsky.comparison import drawing
+from brunovsky.comparison.facts import number, percent
+from brunovsky.comparison.figures.predicted_chatter import predicted_chatter_figure
+from brunovsky.comparison.metrics import tail, values
+from brunovsky.comparison.protocol_section import ProtocolSection, Table
+from brunovsky.comparison.run import Comparison, Run
+from brunovsky.comparison.study import Law, PlannedRun
+
+STRAIGHT = 0.1  # rad; largest turn of the last quarter up to which a path counts as a straight line
+CLOSE = 0.1  # relative error up to which a prediction is told to agree
+AT_V, LOCUS, AT_U = "describing function at v", "relay locus at v", "describing function at u"
+STEPPED = "relay locus at v, half a step later"
+SAMPLED = "map from sample to sample"
+
+
+@dataclass(frozen=True)
+class PredictedChatter:
+    """One prediction for one run, beside what the run shows.
+
+    Attributes
+    ----------
+    run : Run
+        The run.
+    source : str
+        How it is predicted.
+    frequency, amplitude : float or None
+        Predicted (rad/s; m/s2); None where no chatter is predicted.
+    """
+
+    run: Run
+    source: str
+    frequency: float | None
+    amplitude: float | None
+
+    @property
+    def errors(self) -> tuple[float | None, float | None]:
+        """Of frequency and amplitude: predicted over measured, less 1; None where either is missing."""
+        first, second = (None if pair is None else pair[0] / pair[1] - 1.0 for pair in self.pairs)
+        return first, second
+
+    @property
+    def pairs(self) -> tuple[tuple[float, float] | None, ...]:
+        """Predicted and measured frequency (rad/s), and amplitude (m/s2); None where either is missing."""
+        seen = self.run.metrics
+        both = ((self.frequency, seen.chatter_frequency), (self.amplitude, seen.chatter_amplitude))
+        return tuple((said, found) if said and found else None for said, found in both)
+
+
+def chatter_section(comparison: Comparison, *, drawn: bool = True) -> ProtocolSection | None:
+    """Predicted and measured chatter of the switching laws; None where no run has a lag, a delay or sampling."""
+    found = predicted_chatter(comparison)
+    if all(one.run.planned.is_ideal for one in found):
+        return None
+    rows = tuple(
+        (
+            one.run.planned.scenario,
+            one.run.planned.law,
+            one.source,
+            *(one.frequency, one.run.metrics.chatter_frequency, one.errors[0]),
+            *(one.amplitude, one.run.metrics.chatter_amplitude, one.errors[1]),
+            one.run.metrics.chatter_samples,
+        )
+        for one in found
+    )
+    columns = (
+        *("scenario", "law", "prediction", "ω predicted, rad/s", "ω measured, rad/s", "error"),
+        *("A predicted, m/s²", "A measured, m/s²", "error", "steps in a period"),
+    )
+    findings = tuple(_findings(found))
+    with drawing.settings():
+        figure = predicted_chatter_figure(found) if drawn else None
+    return ProtocolSection(
+        title="Chatter, predicted and measured",
+        explanation=(
+            "Frequency ω and amplitude A of the sliding variable in the last quarter of each run under a switching "
+            "law, beside what is predicted from gains and hardware alone: for one chain with lags and delay at v, by "
+            "describing function and, for a relay, exactly, also with the half step more by which the simulation "
+            "delays the relay on average; for the robot with equal lags at its actuators along a straight line; for a "
+            "relay that is sampled, or only stepped, by the map from sample to sample. A dash is no chatter."
+        ),
+        figure_svg=drawing.svg(figure, "chatter-predicted") if figure is not None else "",
+        table=Table("chatter", columns, rows, "Chatter, predicted and measured"),
+        findings=findings,
+        caption="Measured over predicted frequency and amplitude; on the line they are equal, dotted is a tenth off.",
+        headline=next((one for one in findings if STEPPED in one), findings[0]),
+    )
+
+
+def predicted_chatter(comparison: Comparison) -> tuple[PredictedChatter, ...]:
+    """All predictions for all runs that ended, under laws of the paper's family that switch."""
+    laws = {law.name: law for law in comparison.study.laws}
+    return tuple(
+        one
+        for run in comparison.runs
+        if run.ok and run.planned.layer is not None
+        for one in _of_run(run, laws[run.planned.law])
+    )
+
+
+def _of_run(run: Run, law: Law) -> Iterator[PredictedChatter]:
+    planned = run.planned
+    period = _sampling(planned)
+    if not law.in_family or not {"C[1]", "C[2]", "C[3]", "Q"} <= set(planned.parameters):
+        return
+    p = planned.parameters
+    if period is not None:
+        if p["phi"] == 0.0 and not any((*_lags(planned), *_delays(planned))) and period * p["Q"] < 2.0:
+            yield PredictedChatter(run, SAMPLED, math.pi / period, sampled_chatter_band(p["Q"], p["P"], period))
+        return
+    loop = _loop(planned)
+    if loop is None:
+        return
+    yield _cycle(run, AT_V, predicted_cycles(loop))
+    if loop.boundary_layer == 0.0:
+        yield _cycle(run, LOCUS, relay_cycles(loop))
+        stepped = replace(loop, delay=loop.delay + 0.5 * planned.step_size)
+        yield _cycle(run, STEPPED, relay_cycles(stepped))
+    heading = _heading(run)
+    if loop.boundary_layer == 0.0 and loop.lags and not loop.delay and heading is not None:
+        at_u = predicted_robot_chatter(loop, heading)
+        usable = at_u is not None and at_u.other < 1.0
+        yield PredictedChatter(
+            run, AT_U, at_u.frequency if usable and at_u else None, at_u.amplitude if usable and at_u else None
+        )
+
+
+def _cycle(run: Run, source: str, cycles: Sequence[LimitCycle]) -> PredictedChatter:
+    stable = next((one for one in cycles if one.stable), None)
+    return PredictedChatter(run, source, stable.frequency if stable else None, stable.amplitude if stable else None)
+
+
+def _loop(planned: PlannedRun) -> SwitchingLoop | None:
+    """One chain with the hardware of a run at v; None where the two commands differ."""
+    lags, delays, p = _lags(planned), _delays(planned), planned.parameters
+    if lags[0] != lags[1] or delays[0] != delays[1]:
+        return None
+    return SwitchingLoop(
+        (p["C[1]"], p["C[2]"], p["C[3]"]),
+        p["Q"],
+        p["P"],
+        p["phi"],
+        lags=(lags[0],) * planned.loop.hardware.number if lags[0] else (),
+        delay=delays[0],
+    )
+
+
+def _lags(planned: PlannedRun) -> tuple[float, float]:
+    return planned.parameters.get("lag[1]", 0.0), planned.parameters.get("lag[2]", 0.0)
+
+
+def _delays(planned: PlannedRun) -> tuple[float, float]:
+    return planned.parameters.get("delay[1]", 0.0), planned.parameters.get("delay[2]", 0.0)
+
+
+def _sampling(planned: PlannedRun) -> float | None:
+    """Period at which a relay is looked at: that of the computer, or the step where nothing else delays it."""
+    if planned.loop.hardware.period is not None:
+        return planned.parameters["sampling_period"]
+    return None if any((*_lags(planned), *_delays(planned))) else planned.step_size
+
+
+def _heading(run: Run) -> float | None:
+    """Heading in the last quarter; None where it turns."""
+    theta = values(run.trajectory, "theta")
+    last = theta[tail(values(run.trajectory, "time"))]
+    return float(np.mean(last)) if float(np.ptp(last)) <= STRAIGHT else None
+
+
+def _findings(found: Sequence[PredictedChatter]) -> Iterator[str]:
+    """For each kind of prediction, how far it is off; then where it is there in one alone."""
+    for source in dict.fromkeys(one.source for one in found):
+        own = [one for one in found if one.source == source]
+        both = [one for one in own if None not in one.errors]
+        none = [one for one in own if one.frequency is None and one.run.metrics.chatter_frequency is None]
+        other = [one.run.planned.name for one in own if one not in both and one not in none]
+        parts = []
+        if both:
+            ends = [max(abs(one.errors[k] or 0.0) for one in both) for k in (0, 1)]
+            parts.append(
+                f"in {len(both)} it predicts the chatter that is measured, off by at most {percent(ends[0])} in "
+                f"frequency and {percent(ends[1])} in amplitude"
+            )
+        if none:
+            parts.append(f"in {len(none)} it predicts none, and there is none")
+        if other:
+            parts.append(f"in {len(other)} ({', '.join(other)}) one of the two has chatter and the other none")
+        yield f"The {source} was used for {len(own)} run{'s' * (len(own) != 1)}: {'; '.join(parts)}."
+    coarse = [one.run.planned.name for one in found if (one.run.metrics.chatter_samples or 99.0) < _FEW]
+    if coarse and not all(one.source == SAMPLED for one in found):
+        names = ", ".join(dict.fromkeys(coarse))
+        yield f"In {names} a period of the chatter has fewer than {number(_FEW, 2)} steps: it is that of the step."
+
+
+_FEW = 10.0  # steps in a period
