@@ -33,7 +33,8 @@ def analysis_tables(analysis: Analysis) -> tuple[Table, ...]:
     tuple of rich.table.Table
         Laws, linear loops, margins at the actuators, runs, and one for each chatter grid.
     """
-    tables = [_laws(analysis), _loops(loops_by_name(analysis.laws))]
+    loops = loops_by_name(analysis.laws)
+    tables = [_laws(analysis), *([_loops(loops)] if loops else []), _outside(analysis)]
     tables += [_actuators(analysis.runs), _reaching(analysis.runs), _singularity(analysis.runs), _bounds(analysis.runs)]
     tables += [_chatter(grid, rows) for grid, rows in analysis.grids]
     return tuple(table for table in tables if table.row_count)
@@ -64,9 +65,14 @@ def _laws(analysis: Analysis) -> Table:
             poles_text(law.surface_poles),
             given(law.matched_disturbance_bound),
         )
+    return table
+
+
+def _outside(analysis: Analysis) -> Table:
+    table = _table("Not analysed, as they are of another kind than the paper's law", "laws")
     outside = laws_outside(analysis.study)
     if outside:
-        _footnote(table, f"Not analysed, as they are of another kind: {', '.join(map(escape, outside))}.")
+        table.add_row(escape(", ".join(outside)))
     return table
 
 
@@ -76,6 +82,8 @@ def _loops(loops: dict[str, AnalyzedLoop]) -> Table:
     table.add_row("gain K, 1/s³; 1/s²; 1/s", *(_listed(one.gain) for one in rows))
     table.add_row("poles, 1/s", *(poles_text(one.poles) for one in rows))
     for name, label, scale in MARGIN_ROWS:
+        if name in ("max_sensitivity", "disk_margin"):
+            continue  # told below
         table.add_row(label, *(_of(one.margins, name, scale) for one in rows))
     table.add_row("peak sensitivity Ms", *(_of(one.margins, "max_sensitivity") for one in rows))
     table.add_row("disk margin", *(_of(one.disk_margin, "radius") for one in rows))

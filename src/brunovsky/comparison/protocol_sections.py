@@ -122,7 +122,7 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
 def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
     """What the verdict says of a protocol: of the metric that the study names first, or of the fronts."""
     if isinstance(result, MonteCarlo | Map):
-        return result.headline()
+        return f"“{scenario}”: {result.headline()}"
     if isinstance(result, EqualEffort):
         findings = [one for one in findings if one.startswith("At equal effort")] or findings
     if not findings:

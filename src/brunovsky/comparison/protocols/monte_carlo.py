@@ -12,7 +12,7 @@ from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.draws import Distribution, draw_case
 from brunovsky.comparison.protocols.evaluation import Evaluate, Trial, attempt, check_laws, header
 from brunovsky.comparison.protocols.explanation import MONTE_CARLO, Explanation
-from brunovsky.comparison.protocols.monte_carlo_findings import monte_carlo_findings, monte_carlo_headline
+from brunovsky.comparison.protocols.monte_carlo_findings import monte_carlo_findings
 from brunovsky.comparison.protocols.paired import (
     Difference,
     LawRates,
@@ -110,10 +110,6 @@ class MonteCarlo:
     def findings(self) -> list[str]:
         """Sentences that follow from the numbers."""
         return monte_carlo_findings(self)
-
-    def headline(self) -> str:
-        """The one sentence for a verdict: the first metric, and in how many cases each law has it."""
-        return monte_carlo_headline(self)
 
 
 def monte_carlo(

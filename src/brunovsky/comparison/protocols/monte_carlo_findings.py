@@ -36,42 +36,41 @@ def monte_carlo_findings(study: MonteCarlo) -> list[str]:
 
 
 def monte_carlo_headline(study: MonteCarlo) -> str:
-    """The first metric under each law: median with its interval, and in how many cases there is none."""
-    metric = study.metrics[0]
-    parts = []
+    """Median of the first metric under each law, and which laws no other beats by it, as far as intervals tell."""
+    return f"Over {study.cases} drawn cases {_first_medians(study)}{_unbeaten(study)}."
+
+
+def _first_medians(study: MonteCarlo) -> str:
+    """Median of the first metric under each law, and in how many cases it has none."""
+    metric, parts = study.metrics[0], []
     for one in study.summaries:
         if one.metric != metric:
             continue
         failed = sum(trial.failure is not None for trial in study.trials if trial.law == one.law)
         missing = sum(value is None for value in study.values(one.law, metric)) - failed
-        text = (
-            f"{interval(one.median)} under “{one.law}”" if one.median.estimate is not None else f"“{one.law}” has none"
-        )
-        lost = [f"{number} {word}" for number, word in ((failed, "failed"), (missing, "without it")) if number]
-        parts.append(f"{text} ({', '.join(lost)})" if lost else text)
-    medians = f"Over {study.cases} drawn cases the median of the {with_unit(metric)}: {'; '.join(parts)}."
-    ranked = _ranking(study)
-    return f"{medians} {ranked}" if ranked else medians
+        text = f"unknown under “{one.law}”" if one.median.estimate is None else f"{interval(one.median)} (“{one.law}”)"
+        lost = [f"{count} {word}" for count, word in ((failed, "failed"), (missing, "without it")) if count]
+        parts.append(f"{text}, {' and '.join(lost)}" if lost else text)
+    return f"the median of the {with_unit(metric)}, is {'; '.join(parts)}"
 
 
-def _ranking(study: MonteCarlo) -> str:
+def _unbeaten(study: MonteCarlo) -> str:
     """Which laws no other beats by the first metric that may rank, as far as the intervals tell laws apart."""
     metric = next((one for one in study.metrics if one not in study.step_sensitive), None)
-    pairs = [one for one in study.differences if one.metric == metric]
+    pairs = [one for one in study.differences if one.metric == metric and one.median.n]
     if metric is None or not pairs:
         return ""
     told = [one for one in pairs if one.lower is not None]
-    where = f"Over {pairs[0].median.n} paired cases"
     if not told:
-        return f"{where} no two laws are told apart by the {phrase(metric)}."
+        return f". No two laws are told apart by the {phrase(metric)}"
     beaten = {one.second if one.lower == one.first else one.first for one in told}
     names = dict.fromkeys(name for one in pairs for name in (one.first, one.second))
-    best = joined([f"“{name}”" for name in names if name not in beaten])
+    best = [f"“{name}”" for name in names if name not in beaten]
     if not best:
-        return f"{where} each law is beaten by another one by the {phrase(metric)}."
+        return f". Each law is beaten by another one by the {phrase(metric)}"
     return (
-        f"{where} no law has a lower {phrase(metric)} than {best}, as far as laws are told apart ({len(told)} of "
-        f"{len(pairs)} pairs are)."
+        f". No law has a lower {phrase(metric)} than {joined(best)}, as far as laws are told apart ({len(told)} of "
+        f"{len(pairs)} pairs are)"
     )
 
 

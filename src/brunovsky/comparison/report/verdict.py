@@ -17,6 +17,8 @@ from brunovsky.comparison.sensitivity import both, converged, largest, spread_of
 Pair = tuple[Run, Run]
 _SHARE = {"settling_time": "the settling time to 1 cm", "rms_tail_error": "the RMS error of the last quarter"}
 
+_SWITCHING = "the switching term of the same linear part"
+MANY = 3  # laws of other kinds, from which on they share their sentences
 _ACTING = {
     "disturbance": "disturbances",
     "uncertainty": "parameter errors",
@@ -36,8 +38,11 @@ def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[
     """
     groups = _against_pole_placement(comparison)
     sentences: list[str] = []
+    relatives = [(label, pairs) for label, pairs in groups if label != _SWITCHING]
+    many = len(relatives) > MANY
     for label, pairs in groups:
-        sentences += _compared(label, pairs)
+        sentences += [] if many and label != _SWITCHING else _compared(label, pairs)
+    sentences += _relatives(relatives) if many else []
     if not groups:
         sentences.append(
             "No scenario has a run under pole placement and one under another law that both reached their end: nothing "
@@ -68,9 +73,50 @@ def _against_pole_placement(comparison: Comparison) -> list[tuple[str, list[Pair
             if base is None or law.kind == "linear":
                 continue
             paper = law.kind in ("saturation", "sign")
-            label = "the switching term of the same linear part" if paper else f"the law “{law.name}”"
+            label = _SWITCHING if paper else f"the law “{law.name}”"
             found.setdefault(label, []).append((base, run))
     return list(found.items())
+
+
+def _relatives(groups: list[tuple[str, list[Pair]]]) -> list[str]:
+    """Many laws of other kinds, each against pole placement, in one sentence for each metric."""
+    sentences = []
+    for name, nominal in (("settling_time", True), ("rms_tail_error", True), ("rms_tail_error", False)):
+        told, unsure, nil, acting = [], [], [], ""
+        for label, every in groups:
+            law, pairs = label.removeprefix("the law "), [pair for pair in every if is_nominal(pair[0]) is nominal]
+            acting = "without disturbance" if nominal else f"under {_acting(pairs)}"
+            changes = [change for a, b in pairs for change in [sure_change(b, a, name)] if change is not None]
+            if (
+                pairs
+                and all(largest(run, "rms_tail_error") < ROUNDING for pair in pairs for run in pair)
+                and (name == "rms_tail_error")
+            ):
+                nil.append(law)
+            elif changes:
+                left = "" if len(changes) == len(pairs) else f", in {len(changes)} of {len(pairs)}"
+                told.append(f"{_range(changes)} under {law}{left}")
+            elif pairs:
+                unsure.append(law)
+        parts = [f"changes by {joined(told)}"] if told else []
+        parts += [f"is not ranked, as the step decides or it is undefined, under {joined(unsure)}"] if unsure else []
+        parts += [f"is nil, as under pole placement (below 1 nm), under {joined(nil)}"] if nil else []
+        if parts:
+            sentences.append(f"Against pole placement and {acting}, {_SHARE[name]} {'; '.join(parts)}.")
+    return [*sentences, *_rougher(groups)]
+
+
+def _rougher(groups: list[tuple[str, list[Pair]]]) -> list[str]:
+    """Under which of many laws the yaw acceleration varies more than under pole placement."""
+    counts = [(label.removeprefix("the law "), len(_rough(pairs)), len(pairs)) for label, pairs in groups]
+    rough = [f"{law} ({count} of {total})" for law, count, total in counts if count]
+    return [f"u₂ varies more than under pole placement, in pairs of runs, under {joined(rough)}."] if rough else []
+
+
+def _rough(pairs: list[Pair]) -> list[Run]:
+    """Runs in which the yaw acceleration varies more than under pole placement."""
+    name = "total_variation_u2"
+    return [b for a, b in pairs if (both(b, name)[0] or 0.0) > (1.0 + HARDLY) * (both(a, name)[0] or 0.0) + STILL]
 
 
 def _compared(label: str, pairs: list[Pair]) -> list[str]:
@@ -148,7 +194,7 @@ def _word(changes: list[float]) -> str:
 def _price(label: str, pairs: list[Pair]) -> list[str]:
     """What it costs in variation of the yaw acceleration."""
     name = "total_variation_u2"
-    rough = [b for a, b in pairs if (both(b, name)[0] or 0.0) > (1.0 + HARDLY) * (both(a, name)[0] or 0.0) + STILL]
+    rough = _rough(pairs)
     if not rough:
         return [f"It costs no more variation of u₂ than pole placement in any of these {_pairs(len(pairs))}."]
     grows = sum(not converged(run, name) for run in rough)
