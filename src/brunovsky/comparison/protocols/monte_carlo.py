@@ -12,7 +12,7 @@ from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.draws import Distribution, draw_case
 from brunovsky.comparison.protocols.evaluation import Evaluate, Trial, attempt, check_laws, header
 from brunovsky.comparison.protocols.explanation import MONTE_CARLO, Explanation
-from brunovsky.comparison.protocols.monte_carlo_findings import monte_carlo_findings
+from brunovsky.comparison.protocols.monte_carlo_findings import monte_carlo_findings, monte_carlo_headline
 from brunovsky.comparison.protocols.paired import (
     Difference,
     LawRates,
@@ -106,6 +106,10 @@ class MonteCarlo:
         """The same as plain data, for JSON."""
         found: dict[str, Any] = plain(self)
         return found | {"step_sensitive": sorted(self.step_sensitive), "findings": self.findings()}
+
+    def headline(self) -> str:
+        """What the verdict says of it."""
+        return monte_carlo_headline(self)
 
     def findings(self) -> list[str]:
         """Sentences that follow from the numbers."""
