@@ -1,4 +1,4 @@
-"""Draw docs/_static/coupling.svg, the coupling error under pole placement; comparisons/coupling.toml has all numbers."""
+"""Draw docs/_static/coupling.svg: coupling errors under pole placement; comparisons/coupling.toml has all numbers."""
 
 from __future__ import annotations
 
