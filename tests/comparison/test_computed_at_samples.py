@@ -7,8 +7,8 @@ import pytest
 
 from brunovsky.comparison import Study
 from brunovsky.comparison.engines import NativeSimulation, check_outcome
-from brunovsky.comparison.linear_part import predicted_residual
 from brunovsky.comparison.metrics import compute_metrics
+from brunovsky.comparison.residuals import predicted_residual
 
 STUDY = {
     "name": "sampled",

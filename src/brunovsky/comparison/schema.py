@@ -27,6 +27,9 @@ def study_schema() -> dict[str, Any]:
     _name_keys(definitions["Scenario"], "disturbances", input_keys())
     _name_keys(definitions["Signal"], "amplitude", input_keys())
     _name_keys(definitions["Law"], "parameters", known)
+    hardware = definitions["HardwareTable"]["properties"]
+    for name in ("lag_s", "delay_s"):
+        hardware[name] = _or_number(hardware[name])
     chatter = definitions["ChatterTable"]["properties"]
     chatter["delay_s"] = _or_number(chatter["delay_s"])
     chatter["parameters"]["additionalProperties"] = _or_number(chatter["parameters"]["additionalProperties"])

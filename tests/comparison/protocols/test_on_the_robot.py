@@ -4,7 +4,6 @@ import json
 import math
 
 import pytest
-from brunovsky.comparison.keys import study_block
 
 from brunovsky.comparison.engines import NativeSimulation
 from brunovsky.comparison.metrics import compute_metrics
@@ -19,6 +18,7 @@ from brunovsky.comparison.protocols import (
     swept,
 )
 from brunovsky.comparison.study import PlannedRun
+from brunovsky.comparison.study.keys import study_block
 
 LINEAR, LAYER, RELAY = {"P": 0.0}, {"P": 2.5, "phi": 0.05}, {"P": 2.5, "phi": 0.0}
 
