@@ -275,7 +275,13 @@ def compare(
             progress.update(task, completed=done, total=total, description=what)
 
         written = compare_study(loaded, folder, engine=engine.value if engine else None, pdf=pdf, progress=show)
-    for one in (written.report, written.pdf, written.metrics, written.protocols, *_folders(written.traces, written.tables)):
+    for one in (
+        written.report,
+        written.pdf,
+        written.metrics,
+        written.protocols,
+        *_folders(written.traces, written.tables),
+    ):
         if one is not None:
             _say(str(one))
     runs = json.loads(written.metrics.read_text(encoding="utf-8"))["runs"]

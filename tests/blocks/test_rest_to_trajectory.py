@@ -183,8 +183,8 @@ def test_a_push_out_of_the_tube_comes_back_to_where_the_reference_stands() -> No
     check_tracked(data.isel(time=slice(again - 1, None)))
 
 
-@pytest.mark.parametrize("rho", [0.8, 1.2])
-@pytest.mark.parametrize("law", [{}, {"P": 0.5}])
+@pytest.mark.parametrize("rho", [0.8, pytest.param(1.2, marks=slow)])
+@pytest.mark.parametrize("law", [{}, pytest.param({"P": 0.5}, marks=slow)])
 def test_disturbances_and_another_mass_do_not_keep_it_from_the_circle(rho: float, law: dict[str, float]) -> None:
     values = ELSEWHERE | {"rho[1]": rho, "rho[2]": rho} | law
     data = run("circle", 25.0, {"d[1]": 0.2, "d[2]": -0.2}, parameters=values)
@@ -192,6 +192,7 @@ def test_disturbances_and_another_mass_do_not_keep_it_from_the_circle(rho: float
     assert following(data)[-1] and error(data)[following(data)].max() < 5e-3
 
 
+@slow
 def test_another_law_is_taken() -> None:
     tracker = B.tracker(B.circle(), B.pole_placement(gains=[[125.0, 75.0, 15.0]] * 2))
     data = br.simulate(B.rest_to_trajectory(tracker_block=tracker), 20.0, parameters=ELSEWHERE, record=RECORD)

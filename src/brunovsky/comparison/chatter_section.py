@@ -192,12 +192,15 @@ def _findings(found: Sequence[PredictedChatter]) -> Iterator[str]:
         none = [one for one in own if one.frequency is None and one.run.metrics.chatter_frequency is None]
         other = [one.run.planned.name for one in own if one not in both and one not in none]
         parts = []
-        if both:
-            ends = [max(abs(one.errors[k] or 0.0) for one in both) for k in (0, 1)]
-            parts.append(
-                f"in {len(both)} it predicts the chatter that is measured, off by at most {percent(ends[0])} in "
-                f"frequency and {percent(ends[1])} in amplitude"
-            )
+        near = [one for one in both if max(abs(error or 0.0) for error in one.errors) <= _NEAR]
+        for some, words in ((near, "it predicts"), ([one for one in both if one not in near], "it misses")):
+            if some:
+                ends = [max(abs(one.errors[k] or 0.0) for one in some) for k in (0, 1)]
+                which = "" if some is near else f" ({', '.join(one.run.planned.name for one in some)})"
+                parts.append(
+                    f"in {len(some)}{which} {words} the chatter that is measured, off by at most {percent(ends[0])} in "
+                    f"frequency and {percent(ends[1])} in amplitude"
+                )
         if none:
             parts.append(f"in {len(none)} it predicts none, and there is none")
         if other:
@@ -210,3 +213,4 @@ def _findings(found: Sequence[PredictedChatter]) -> Iterator[str]:
 
 
 _FEW = 10.0  # steps in a period
+_NEAR = 0.2  # relative error up to which chatter counts as predicted

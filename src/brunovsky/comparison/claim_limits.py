@@ -99,9 +99,12 @@ def _slowed(linear: Run, relay: Run, slower: dict[str, float], rejected: bool) -
         f"({percent(slower['linear'])} longer than nominal), {relay.metrics.settling_time:.3f} s under the "
         f"sign function ({percent(slower['sign'])} longer)"
     )
-    if rejected or linear.planned.parameters["rho[2]"] == 1.0:
+    p = linear.planned.parameters
+    if rejected or p["rho[2]"] == 1.0:
         return text
-    return f"{text}: a matched error of the gain, against which P does not help"
+    what = "an error of the yaw gain" if p["rho[1]"] == 1.0 else "errors of both gains, matched and unmatched together"
+    help_ = "P makes it worse" if slower["sign"] > slower["linear"] + HARDLY else "P does not help against it"
+    return f"{text}: {what}, whose jerk exceeds P while u₂ is large, so that {help_}"
 
 
 def orientation(comparison: Comparison, cases: list[Case]) -> Finding | None:

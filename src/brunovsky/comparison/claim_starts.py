@@ -29,8 +29,13 @@ def starts(comparison: Comparison, cases: list[Case]) -> Finding | None:
         text += f"; under pole placement {as_well} of {len(linear)} do, so that this is no merit of the switching term"
         text += "" if as_well == len(linear) else " alone"
     complete = len(settled) == len(sliding) + failed
-    word: Verdict = "confirmed" if complete else "confirmed under conditions" if settled else "contradicted"
-    return Finding(word, f"{text}. Other starts were not run.")
+    lost = sum(trial.failure is not None for one in comparison.protocols for trial in getattr(one.result, "trials", ()))
+    word: Verdict = (
+        "confirmed" if complete and not lost else "confirmed under conditions" if settled else "contradicted"
+    )
+    if not comparison.protocols:
+        return Finding(word, f"{text}. Other starts were not run.")
+    return Finding(word, f"{text}. The protocols are not counted here; {lost or 'none'} of their runs failed.")
 
 
 def _nominal(comparison: Comparison, cases: list[Case], kinds: list[str]) -> list[Run]:

@@ -104,7 +104,7 @@ def peaks(good: Good) -> str:
     distance = math.dist([planned.parameters[name] for name in ("x_start", "y_start")], planned.aim)
     away = f" over an initial error of {number(distance)} m" if distance > ROUNDING else ""
     text = f"The speed peaks at {speeds}{away}, the yaw acceleration at {yaws}"
-    divides = all(run.planned.guard is not None for run in runs)
+    divides = all(run.planned.guard is not None for run in runs) and not planned.noise
     if not divides or any(abs(one.peak_yaw_time - facts.peak_yaw_time) > 0.01 for _, _, one in good):
         return text + "."
     when = "right at the start" if facts.peak_yaw_time == 0.0 else f"at {seconds(facts.peak_yaw_time)}"

@@ -12,6 +12,7 @@ from brunovsky.comparison.study import Law
 
 HARDLY = 0.05  # relative change of a metric up to which two laws are said to hardly differ
 ROUNDING = 1e-9  # m; an error below this is said to be nil for every purpose
+_ITS_OWN = 1.5  # times the relay's amplitude in u2, up to which that is said to be the relay's
 STILL = 1e-3  # rad/s3 of variation of u2 a second, below which there is no chatter to speak of
 
 Good = list[tuple[Law, Run, Facts]]
@@ -125,6 +126,8 @@ def _amplification(run: Run, facts: Facts) -> str:
     if not run.planned.is_undisturbed:
         return ""
     relay = math.sqrt(2.0) * p["P"] / abs(p["C[3]"])
+    if facts.tail_yaw > _ITS_OWN * relay / facts.tail_speed:  # something else swings
+        return ""
     return (
         f": the relay’s amplitude, up to √2 P/c₃ = {number(relay)} m/s³, reaches u₂ divided by |η₁| "
         f"({number(relay / facts.tail_speed)} rad/s² at {number(facts.tail_speed)} m/s; seen: "

@@ -124,12 +124,14 @@ def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
     if isinstance(result, MonteCarlo | Map):
         return f"“{scenario}”: {result.headline()}"
     if isinstance(result, EqualEffort):
-        findings = [one for one in findings if one.startswith("At equal effort")] or findings
+        findings = [
+            one for one in findings if one.startswith(("All laws have this effort", "At equal effort"))
+        ] or findings
     if not findings:
         return ""
-    if isinstance(result, MeasuredLoopMargins | Coupling):
-        return f"“{scenario}”: {findings[-1]}"
-    return findings[-1] if isinstance(result, Pareto) else findings[0]
+    if isinstance(result, Pareto):  # who dominates whom; the hypervolume that follows it ranks nothing
+        return f"“{scenario}”: {findings[-2] if len(findings) > 1 else findings[-1]}"
+    return f"“{scenario}”: {findings[-1 if isinstance(result, MeasuredLoopMargins | Coupling) else 0]}"
 
 
 def _title(result: Result) -> str:

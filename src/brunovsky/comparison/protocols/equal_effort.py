@@ -83,7 +83,14 @@ class EqualEffort:
                 *told,
                 f"The effort itself, {phrase(self.effort)}, depends on the step of the simulation: no law is ranked.",
             ]
-        return told + [self._compared(metric) for metric in self.metrics if metric != self.effort]
+        compared = [self._compared(metric) for metric in self.metrics if metric != self.effort]
+        values = [one.value for one in self.tunings if one.value is not None]
+        if max(values) - min(values) <= self.rtol * max(values):
+            told.append(
+                "All laws have this effort at the same value of the knob: it is that of the common start, the tuning "
+                "changed nothing, and what follows compares the laws as they are."
+            )
+        return told + compared
 
     def _tuning(self, one: Tuning) -> str:
         of = f"“{one.law}”"
