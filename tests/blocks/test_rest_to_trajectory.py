@@ -233,6 +233,7 @@ def test_references_without_heading_or_end_are_refused() -> None:
             B.tracker(reference)
 
 
+@pytest.mark.slow
 def test_numpy_and_c_agree() -> None:
     values = {"x_start": 2**0.5, "y_start": -0.01, "theta_start": 0.02}
     native, plain = (br.simulate(loop("circle"), 0.2, step_size=2e-3, parameters=values, record=RECORD, engine=engine)

@@ -17,6 +17,13 @@ from brunovsky.comparison import (
 )
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests of the paper's runs and report go to one worker, so that these are made once (``--dist loadgroup``)."""
+    for one in items:
+        if {"paper_runs", "written"} & set(getattr(one, "fixturenames", ())):
+            one.add_marker(pytest.mark.xdist_group("paper"))
+
+
 @pytest.fixture(scope="session")
 def paper() -> Study:
     return load_study(resource("comparisons", "paper.toml"))

@@ -89,7 +89,7 @@ def test_the_page_has_every_figure_table_and_section(page, paper):
         "Figure 4 of the paper", "Figure 5 of the paper", "Figure 6 of the paper", "Circle, from inside",
         "What the paper claims, and what these runs show", "What this study does not show", "Provenance",
         "the regulation is chaotic", "heading is left uncontrolled", "the law’s singularity, where the guard acts",
-        "−5 ± 21.79j", "for these gains the rates coincide", "against which P does not help", "One target was tested",
+        "−5 ± 21.79j", "for these gains the rates coincide", "P does not help against it", "One target was tested",
         "are misprinted and corrected here", "total variation of u₂", "Within its boundary layer",
     ):  # fmt: skip
         assert part in text, part

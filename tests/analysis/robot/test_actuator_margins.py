@@ -44,6 +44,7 @@ def test_a_circle_couples_the_actuators():
     assert both.delay < 0.99 * min(one.delay for one in single)
 
 
+@pytest.mark.slow
 def test_the_longest_sampling_period_is_shorter_than_that_of_a_held_chain():
     found = longest_robot_sampling(GAINS[0], CIRCLE)
     assert found == pytest.approx(longest_robot_sampling(lambda _: GAINS[0], SteadyMotion(2.0, 0.5)))  # no speed in it

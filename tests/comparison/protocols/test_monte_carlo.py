@@ -100,6 +100,7 @@ def test_the_verdict_flips_with_the_numbers_and_is_silent_without_a_difference()
     assert "not told apart over 60 cases" in told(same) and "lower under" not in told(same)
 
 
+@pytest.mark.slow
 def test_verdicts_without_a_difference_are_rare():
     """At 95 %, and with three conditions to meet: at most one in twenty, of 100 studies."""
     wrong = sum(study(toy(own=1.0, seed=k), cases=20).differences[0].lower is not None for k in range(100))

@@ -65,6 +65,7 @@ def test_the_same_traces_and_tables_have_the_same_bytes(small, tmp_path):
         assert a.read_bytes() == b.read_bytes()
 
 
+@pytest.mark.slow
 def test_the_pdf_has_pages_and_text(small, tmp_path):
     pytest.importorskip("weasyprint", exc_type=(ImportError, OSError), reason="Pango is missing")
     written = write_report(run_study(load_study(small)), tmp_path, pdf=True)
