@@ -52,7 +52,7 @@ across = {{ knob = "theta_start_rad", low = -1.0, high = 1.0, points = 3 }}
 FAMILY = '[[laws]]\nname = "plain"\nkind = "linear"'
 
 
-@pytest.mark.parametrize("family", ["", FAMILY])
+@pytest.mark.parametrize("family", ["", pytest.param(FAMILY, marks=pytest.mark.slow)])
 def test_reported_and_analysed_with_and_without_a_law_of_the_family(family, tmp_path):
     path = tmp_path / "kinds.toml"
     path.write_text(STUDY.format(family=family), encoding="utf-8")

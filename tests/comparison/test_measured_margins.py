@@ -88,6 +88,7 @@ def sampled_gain_margins(step: float = 2e-3) -> tuple[float, float]:
     return float(stable[0]), float(stable[-1])
 
 
+@pytest.mark.slow
 def test_measured_margins_of_a_linear_loop_are_its_margins():
     exact = margins(K)
     found = measured_margins(delayed_chain, bound=1e-3, lowest_gain=0.05, highest_gain=300.0, longest_delay=0.1)
