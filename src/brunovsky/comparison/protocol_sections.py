@@ -124,9 +124,8 @@ def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
     if isinstance(result, MonteCarlo | Map):
         return f"“{scenario}”: {result.headline()}"
     if isinstance(result, EqualEffort):
-        findings = [
-            one for one in findings if one.startswith(("All laws have this effort", "At equal effort"))
-        ] or findings
+        compared = [one for one in findings if one.startswith("At equal effort")]
+        findings = [] if result.idle else compared or findings
     if not findings:
         return ""
     if isinstance(result, Pareto):  # who dominates whom; the hypervolume that follows it ranks nothing

@@ -73,6 +73,12 @@ class EqualEffort:
         found: dict[str, Any] = plain(self)
         return found | {"step_sensitive": sorted(self.step_sensitive), "findings": self.findings()}
 
+    @property
+    def idle(self) -> bool:
+        """Whether all tuned laws have the effort at the same value of the knob, so that the tuning changed nothing."""
+        values = [one.value for one in self.tunings if one.value is not None]
+        return len(values) > 1 and max(values) - min(values) <= self.rtol * max(values)
+
     def findings(self) -> list[str]:
         """Sentences that follow from the numbers."""
         told = [self._tuning(one) for one in self.tunings]
@@ -84,8 +90,7 @@ class EqualEffort:
                 f"The effort itself, {phrase(self.effort)}, depends on the step of the simulation: no law is ranked.",
             ]
         compared = [self._compared(metric) for metric in self.metrics if metric != self.effort]
-        values = [one.value for one in self.tunings if one.value is not None]
-        if max(values) - min(values) <= self.rtol * max(values):
+        if self.idle:
             told.append(
                 "All laws have this effort at the same value of the knob: it is that of the common start, the tuning "
                 "changed nothing, and what follows compares the laws as they are."

@@ -18,7 +18,9 @@ _PARAMETERS = (
 
 
 def circle() -> Block:
-    """Reference ``Z1d[1..3]``, ``Z2d[1..3]`` and its third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
+    """Circular reference; radius 0 is a set point.
+
+    Its outputs are ``Z1d[1..3]``, ``Z2d[1..3]`` and the third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
 
     The default is figure 6 of the paper, x^2 + y^2 = 2; the rate of 0.5 rad/s, not given there, is chosen here.
     All derivatives are taken symbolically from the position.

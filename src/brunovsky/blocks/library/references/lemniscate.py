@@ -18,7 +18,9 @@ _PARAMETERS = (
 
 
 def lemniscate() -> Block:
-    """Reference ``Z1d[1..3]``, ``Z2d[1..3]`` and its third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
+    """Figure of eight as a reference, the lemniscate of Gerono.
+
+    Its outputs are ``Z1d[1..3]``, ``Z2d[1..3]`` and the third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
 
     The lemniscate of Gerono, ``half_width (cos(a), sin(a) cos(a))`` with ``a = rate t + phase``. Its speed lies between
     sqrt(7)/4 and sqrt(2) times ``half_width rate`` and is never zero, so that the robot's law is regular all along it,

@@ -17,7 +17,9 @@ _PARAMETERS = (
 
 
 def line() -> Block:
-    """Reference ``Z1d[1..3]``, ``Z2d[1..3]`` and its third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
+    """Straight reference at constant speed.
+
+    Its outputs are ``Z1d[1..3]``, ``Z2d[1..3]`` and the third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
 
     A straight line along (-sin(heading), cos(heading)), as the robot's heading is counted.
     """

@@ -25,7 +25,9 @@ _TIMES = (
 
 
 def polynomial(*, acceleration: Acceleration = "given") -> Block:
-    """Reference ``Z1d[1..3]``, ``Z2d[1..3]`` and its third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
+    """Reference from point to point with the least jerk.
+
+    Its outputs are ``Z1d[1..3]``, ``Z2d[1..3]`` and the third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
 
     The polynomial of fifth degree that goes from ``start[1..2]`` to ``end[1..2]`` within ``duration``, with
     ``start_velocity[1..2]`` and ``end_velocity[1..2]``: of all motions with this boundary the one with the least

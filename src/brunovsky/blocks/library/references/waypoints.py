@@ -30,7 +30,9 @@ _MOST = 20
 
 
 def waypoints(points: ArrayLike, times: ArrayLike, *, acceleration: Acceleration = "given") -> Block:
-    """Reference ``Z1d[1..3]``, ``Z2d[1..3]`` and its third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
+    """Reference through points at given times with the least jerk.
+
+    Its outputs are ``Z1d[1..3]``, ``Z2d[1..3]`` and the third derivative ``zd3[1..2]`` (m, m/s, m/s2; m/s3).
 
     The spline of fifth degree through points at given times, at rest before the first and after the last: of all
     motions with these the one with the least integral of the squared jerk. Its derivatives are continuous up to the
