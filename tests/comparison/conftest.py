@@ -73,6 +73,30 @@ def small(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture
+def failing() -> str:
+    """Scenarios for the small study that fail: from rest at the singularity, and by gains that do not stabilise."""
+    return FAILING
+
+
+FAILING = """
+[[scenarios]]
+name = "rest"
+title = "From rest, under the printed law"
+duration_s = 1.0
+[scenarios.parameters]
+eta_min_m_per_s = 0.0
+eta_start_1_m_per_s = 0.0
+
+[[scenarios]]
+name = "away"
+title = "Under gains that do not stabilise"
+duration_s = 100.0
+laws = ["linear"]
+[scenarios.parameters]
+Q_per_s = -20.0
+"""
+
 CHATTER = """
 name = "mine"
 title = "A study with chatter"

@@ -7,28 +7,10 @@ import pytest
 from brunovsky.comparison import load_study, run_study, write_report
 from brunovsky.comparison.engines import recorded
 
-AT_REST = """
-[[scenarios]]
-name = "rest"
-title = "From rest, under the printed law"
-duration_s = 1.0
-[scenarios.parameters]
-eta_min_m_per_s = 0.0
-eta_start_1_m_per_s = 0.0
-
-[[scenarios]]
-name = "away"
-title = "Under gains that do not stabilise"
-duration_s = 100.0
-laws = ["linear"]
-[scenarios.parameters]
-Q_per_s = -20.0
-"""
-
 
 @pytest.fixture(params=["native", "fmpy"])
-def failed(request, small, tmp_path):
-    small.write_text(small.read_text() + AT_REST)
+def failed(request, small, failing, tmp_path):
+    small.write_text(small.read_text() + failing)
     return run_study(load_study(small), engine=request.param, folder=tmp_path)
 
 

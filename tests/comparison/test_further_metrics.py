@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from brunovsky.analysis import SwitchingLoop, simulated_cycle, sliding_gain
+from brunovsky.analysis import SwitchingLoop, boundary_layer_gain, simulated_cycle, sliding_gain
 from brunovsky.comparison import Metrics, compute_metrics
 from brunovsky.comparison.definitions import CONTRACT_METRICS, METRIC_DEFINITIONS, definition
 from brunovsky.comparison.facts import FINER
-from brunovsky.comparison.linear_metrics import LINEAR_DEFINITIONS, LinearMetrics, linear_metrics, linear_metrics_of
+from brunovsky.comparison.linear_metrics import LINEAR_DEFINITIONS, LinearMetrics, linear_metrics
 
 TIME = np.linspace(0.0, 8.0, 8001)
-PAPER = {"C[1]": 500.0, "C[2]": 10.0, "C[3]": 1.0, "Q": 5.0, "P": 2.5, "phi": 0.05}
+SURFACE = (500.0, 10.0, 1.0)
 
 
 def record(time=TIME, **given) -> xr.Dataset:
@@ -173,19 +173,17 @@ def test_every_metric_has_one_definition():
 
 
 def test_linear_metrics_of_the_paper():
-    found = linear_metrics_of(PAPER)
+    found = linear_metrics(sliding_gain(SURFACE, 5.0))
     assert found.gain_lower == pytest.approx(2500.0 / (550.0 * 15.0))  # k1/(k2 k3), by Routh
     assert found.gain_upper is None
     s = 1j * np.geomspace(0.1, 1e4, 200_001)
     L = (15.0 * s**2 + 550.0 * s + 2500.0) / s**3
     assert found.max_sensitivity == pytest.approx(np.max(np.abs(1.0 / (1.0 + L))), rel=1e-6)
     assert found.disk_margin == pytest.approx(1.0 / np.max(np.abs(0.5 * (1.0 - L) / (1.0 + L))), rel=1e-6)
-    layer = linear_metrics_of(PAPER, within_layer=True)
+    layer = linear_metrics(boundary_layer_gain(SURFACE, 5.0, 2.5, 0.05))
     assert layer == linear_metrics(sliding_gain([500.0, 10.0, 1.0], 55.0))
     assert layer.gain_lower == pytest.approx(27500.0 / (1050.0 * 65.0))
 
 
-def test_an_unstable_linear_part_and_a_relay_have_no_linear_metrics():
+def test_an_unstable_linear_part_has_no_linear_metrics():
     assert linear_metrics([1.0, 0.1, 0.1]) == LinearMetrics()
-    assert linear_metrics_of(PAPER | {"phi": 0.0}, within_layer=True) == LinearMetrics()
-    assert linear_metrics_of(PAPER | {"P": 0.0}, within_layer=True) == linear_metrics_of(PAPER)

@@ -202,7 +202,7 @@ def _forecast(
     p = run.parameters
     if law.kind != "linear":
         return None, f"the law '{law.name}' switches, so that its chains are not linear; simulate it"
-    if not run.is_undisturbed or p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0:
+    if not run.is_undisturbed or run.is_uncertain:
         return None, "the plant is disturbed or not the nominal one, so that its chains are not linear; simulate it"
     gain = gains(run, law.kind)["linear_part"]
     found = forecast(robot_linearization(), [gain, gain], chains, reference, run.duration, samples=_INSTANTS)

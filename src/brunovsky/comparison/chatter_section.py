@@ -67,7 +67,7 @@ class PredictedChatter:
 def chatter_section(comparison: Comparison, *, drawn: bool = True) -> ProtocolSection | None:
     """Predicted and measured chatter of the switching laws; None where no run has a lag, a delay or sampling."""
     found = predicted_chatter(comparison)
-    if all(one.run.planned.is_ideal for one in found):
+    if all(one.run.planned.has_ideal_actuators for one in found):
         return None
     rows = tuple(
         (
@@ -192,7 +192,7 @@ def _findings(found: Sequence[PredictedChatter]) -> Iterator[str]:
         none = [one for one in own if one.frequency is None and one.run.metrics.chatter_frequency is None]
         other = [one.run.planned.name for one in own if one not in both and one not in none]
         parts = []
-        near = [one for one in both if max(abs(error or 0.0) for error in one.errors) <= _NEAR]
+        near = [one for one in both if max(abs(error or 0.0) for error in one.errors) <= CLOSE]
         for some, words in ((near, "it predicts"), ([one for one in both if one not in near], "it misses")):
             if some:
                 ends = [max(abs(one.errors[k] or 0.0) for one in some) for k in (0, 1)]
@@ -213,4 +213,3 @@ def _findings(found: Sequence[PredictedChatter]) -> Iterator[str]:
 
 
 _FEW = 10.0  # steps in a period
-_NEAR = 0.2  # relative error up to which chatter counts as predicted

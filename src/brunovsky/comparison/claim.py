@@ -55,8 +55,7 @@ class Claim:
 
 def is_nominal(run: Run) -> bool:
     """Whether a run has no disturbance, constant or not, no noise, no parameter error, and ideal hardware."""
-    p = run.planned.parameters
-    return run.planned.is_undisturbed and run.planned.is_ideal and p["rho[1]"] == 1.0 and p["rho[2]"] == 1.0
+    return run.planned.is_undisturbed and run.planned.is_ideal and not run.planned.is_uncertain
 
 
 def is_regulation(run: Run) -> bool:

@@ -29,6 +29,6 @@ def run_features(run: PlannedRun) -> frozenset[Feature]:
         "limits": any(limit < float("inf") for limit in hardware.limits),
         "sampling": hardware.period is not None or "sampling_period" in run.parameters,
         "disturbance": any(run.inputs.values()) or bool(run.signals),
-        "uncertainty": any(run.parameters.get(f"rho[{k}]", 1.0) != 1.0 for k in (1, 2)),
+        "uncertainty": run.is_uncertain,
     }
     return frozenset(name for name, there in has.items() if there)

@@ -21,11 +21,10 @@ Good = list[tuple[Law, Run, Facts]]
 def steady_state(good: Good) -> str:
     """What error remains, and what was predicted where there is a disturbance."""
     runs = [run for _, run, _ in good]
-    p = runs[0].planned.parameters
     planned = runs[0].planned
     nominal = not any(tail_peaks(planned).values())
     if nominal and all(largest(run, "rms_tail_error") < ROUNDING for run in runs):
-        uncertain = _idle_mismatch(good) if p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0 else ""
+        uncertain = _idle_mismatch(good) if planned.is_uncertain else ""
         if disturbed(planned):
             uncertain += ": the disturbance has passed by then"
         return f"Over the last quarter the error is nil for every purpose under each law (below 1 nm RMS){uncertain}."

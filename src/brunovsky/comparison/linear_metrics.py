@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
 from numpy.typing import ArrayLike
 
-from brunovsky.analysis import boundary_layer_gain, disk_margin, loop_transfer, margins, sliding_gain
+from brunovsky.analysis import disk_margin, loop_transfer, margins
 from brunovsky.comparison.definitions import Definition
 from brunovsky.comparison.output import plain
 from brunovsky.errors import ParameterError
@@ -64,24 +63,6 @@ def linear_metrics(gain: ArrayLike) -> LinearMetrics:
         "delay_margin": classical.delay,
     }
     return LinearMetrics(**plain(found))
-
-
-def linear_metrics_of(parameters: Mapping[str, float], *, within_layer: bool = False) -> LinearMetrics:
-    """The same for the parameters of a run: of the linear part (P = 0), or within the boundary layer.
-
-    Parameters
-    ----------
-    parameters : mapping
-        ``C[1]``, ``C[2]``, ``C[3]``, ``Q``, and ``P`` and ``phi`` for the layer.
-    within_layer : bool
-        With the gain P/phi of the boundary layer added; a relay, phi = 0, has no such gain and its metrics are None.
-    """
-    surface = [parameters[f"C[{k}]"] for k in (1, 2, 3)]
-    if not within_layer or not parameters["P"]:
-        return linear_metrics(sliding_gain(surface, parameters["Q"]))
-    if not parameters["phi"]:
-        return LinearMetrics()
-    return linear_metrics(boundary_layer_gain(surface, parameters["Q"], parameters["P"], parameters["phi"]))
 
 
 LINEAR_DEFINITIONS = tuple(

@@ -71,7 +71,7 @@ def predicted_residual(planned: PlannedRun, law: Law) -> float | None:
     ideal = replace(planned.loop.hardware, noisy=False, matched=False) == IDEAL
     if not law.in_family or not ideal or planned.noise or not disturbed(planned):
         return None
-    if p["radius"] == 0.0 or p["rho[1]"] != 1.0 or p["rho[2]"] != 1.0:
+    if p["radius"] == 0.0 or planned.is_uncertain:
         return None
     waves = {name: _waves(planned, name) for name in DISTURBANCES}
     if any(one is None for one in waves.values()):
@@ -106,7 +106,7 @@ def predicted_noise(planned: PlannedRun, law: Law) -> float | None:
     equation gives its covariance at the instants of the noise. It is that of all runs, from which one run differs.
     """
     p, noise = planned.parameters, planned.noise
-    undisturbed = not disturbed(planned) and p["rho[1]"] == 1.0 and p["rho[2]"] == 1.0
+    undisturbed = not disturbed(planned) and not planned.is_uncertain
     bare = replace(planned.loop.hardware, noisy=False, matched=False) == IDEAL
     if law.kind != "linear" or not noise or set(noise) - {"n[1]", "n[2]"} or not undisturbed or not bare:
         return None

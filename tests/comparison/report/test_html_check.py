@@ -63,25 +63,6 @@ def _cells(root: Element) -> list[str]:
     return ["".join(one.itertext()).strip() for one in root.iter() if one.tag in (f"{HTML}td",)]
 
 
-FAILING = """
-[[scenarios]]
-name = "rest"
-title = "From rest, under the printed law"
-duration_s = 1.0
-[scenarios.parameters]
-eta_min_m_per_s = 0.0
-eta_start_1_m_per_s = 0.0
-
-[[scenarios]]
-name = "away"
-title = "Under gains that do not stabilise"
-duration_s = 100.0
-laws = ["linear"]
-[scenarios.parameters]
-Q_per_s = -20.0
-"""
-
-
 def protocol() -> ProtocolSection:
     with drawing.settings():
         figure = drawing.new_figure(3.0, 2.0)
@@ -96,8 +77,8 @@ def test_the_report_of_the_paper(written):
     assert problems(written.report.read_text(encoding="utf-8")) == []
 
 
-def test_a_report_with_failed_runs_and_a_protocol(small):
-    small.write_text(small.read_text() + FAILING)
+def test_a_report_with_failed_runs_and_a_protocol(small, failing):
+    small.write_text(small.read_text() + failing)
     comparison = run_study(load_study(small))
     text = render_report(comparison, [protocol()])
     assert problems(text) == []

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
 import sympy as sp
 
+from brunovsky.blocks.library.outer_loops.sampled_law import sampling_period
 from brunovsky.blocks.library.outer_loops.surface_map import PERIOD
 from brunovsky.blocks.variables import Parameter, Sample, Variable, described
-from brunovsky.errors import ParameterError
 
 
 def hold_period(period: float, where: str) -> Parameter:
@@ -20,14 +19,9 @@ def hold_period(period: float, where: str) -> Parameter:
     ParameterError
         If it is not a positive number; ``where`` names the block.
     """
-    number = isinstance(period, int | float | np.number) and not isinstance(period, bool)
-    if not number or not PERIOD.minimum <= period < float("inf"):
-        raise ParameterError(
-            f"{where}: the sampling period {period!r} s is not a finite number from {PERIOD.minimum:g} s on; give the "
-            "time between two samples, or none to have no sampling"
-        )
     return dataclasses.replace(
-        PERIOD, value=float(period), description="sampling period; what is sampled is held between samples"
+        sampling_period(period, where, "none to have no sampling"),
+        description="sampling period; what is sampled is held between samples",
     )
 
 

@@ -85,17 +85,21 @@ def known_parameter(text: str, kinds: Sequence[LawKind]) -> Key:
         if text not in found:
             found |= {key: one for key, one in loop_keys(loop_of(kind)).items() if key not in found}
     if text not in found:
-        found |= keys_of(library.robot_with_hardware(lags=0.01, delays=0.01, limits=1.0, period=0.01).parameters)
+        found |= _hardware_keys()
     if text in found:
         return found[text]
     raise ValueError(f"unknown parameter or unit; {remedy(text, found.values())}")
 
 
+@lru_cache
+def _hardware_keys() -> Mapping[str, Key]:
+    return keys_of(library.robot_with_hardware(lags=0.01, delays=0.01, limits=1.0, period=0.01).parameters)
+
+
 def all_parameter_keys() -> Mapping[str, Key]:
     """Keys of the parameters of all loops, whatever the law and the hardware; it takes seconds to make them all."""
-    hardware = keys_of(library.robot_with_hardware(lags=0.01, delays=0.01, limits=1.0, period=0.01).parameters)
     found = dict(parameter_keys())
-    for more in (hardware, *(loop_keys(loop_of(kind)) for kind in KINDS)):
+    for more in (_hardware_keys(), *(loop_keys(loop_of(kind)) for kind in KINDS)):
         found |= {text: key for text, key in more.items() if text not in found}
     return found
 

@@ -289,15 +289,6 @@ class CouplingTable(_Protocol):
     small_s: Annotated[FiniteFloat, Field(gt=0.0)] = 2e-3
 
 
-ANY_PROTOCOL = (
-    SweptTable,
-    EqualEffortTable,
-    ParetoTable,
-    MonteCarloTable,
-    MapTable,
-    MarginsTable,
-    CouplingTable,
-)
 Protocol: TypeAlias = Annotated[
     SweptTable | EqualEffortTable | ParetoTable | MonteCarloTable | MapTable | MarginsTable | CouplingTable,
     Field(discriminator="kind"),

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, model_validator
 
-from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.study.keys import input_keys
 from brunovsky.comparison.study.table import StudyTable, by_name, in_range, known_key
 
@@ -124,6 +123,3 @@ def noise_series(
 def seed_of(study: int, name: str) -> tuple[int, int]:
     """Seed of a scenario: that of the study and the scenario's name, so that the order doesn't matter."""
     return study, zlib.crc32(name.encode())
-
-
-EMPTY: Mapping[str, float] = FrozenMapping({})

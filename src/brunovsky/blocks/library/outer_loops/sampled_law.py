@@ -17,19 +17,19 @@ from brunovsky.blocks.variables import Clock, Input, Output, Parameter, Sample
 from brunovsky.errors import ParameterError
 
 
-def sampling_period(period: float, law: str) -> Parameter:
+def sampling_period(period: float, block: str, instead: str = "take a law that is not sampled") -> Parameter:
     """Parameter ``sampling_period`` with this default.
 
     Raises
     ------
     ParameterError
-        If it is not a positive number; ``law`` names the block.
+        If it is not a positive number; ``block`` is its name, ``instead`` the other way out.
     """
     number = isinstance(period, int | float | np.number) and not isinstance(period, bool)
     if not number or not PERIOD.minimum <= period < float("inf"):
         raise ParameterError(
-            f"{law}: the sampling period {period!r} s is not a finite number from {PERIOD.minimum:g} s on; give the "
-            "time between two samples, or take a law that is not sampled"
+            f"{block}: the sampling period {period!r} s is not a finite number from {PERIOD.minimum:g} s on; give the "
+            f"time between two samples, or {instead}"
         )
     return dataclasses.replace(PERIOD, value=float(period))
 
