@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from brunovsky.comparison import drawing
 from brunovsky.comparison.figures.traces import START, Drawn, add_legend, draw_limits, drawable, layers, place_handles
@@ -62,7 +63,10 @@ def _draw_portrait(axes: Axes, planes: list[tuple[int, Array, Array]]) -> None:
     for _, x, y in planes:
         if axes.get_xscale() == "linear":
             axes.plot(x, y, alpha=0.0)  # sets the limits
-            axes.ticklabel_format(scilimits=(-3, 4))
+            for axis in (axes.xaxis, axes.yaxis):
+                formatter = axis.get_major_formatter()
+                if isinstance(formatter, ScalarFormatter):  # not that of a signed logarithmic axis
+                    formatter.set_powerlimits((-3, 4))
     for index, x, y in planes:
         axes.plot(*drawing.drawn_once(axes, x, y), **drawing.style(index))
         axes.plot(x[:1], y[:1], markerfacecolor="#ffffff", **START)
