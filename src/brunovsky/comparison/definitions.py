@@ -50,7 +50,7 @@ CONTRACT_METRICS = tuple(
     for row in (
         (
             "settling_time",
-            "settling time (position error > 1 cm until)",
+            "settling time to 1 cm",
             "s",
             "Last recorded instant at which the position error exceeds 1 cm; 0 if it never does, not defined if it "
             "still does at the end.",

@@ -15,7 +15,20 @@ from brunovsky.comparison.sensitivity import MARK
 from brunovsky.comparison.tables import conditions, footnote, metric_rows
 
 LONGEST = 100  # rows of a table that is kept
-_KEPT = ("settling time", "RMS position error", "largest", "smallest", "total variation")
+_KEPT = (
+    "settling_time",
+    "settling_1mm",
+    "settling_100um",
+    "rms_tail_error",
+    "peak_speed",
+    "min_speed",
+    "peak_yaw_acceleration",
+    "total_variation_u1",
+    "total_variation_u2",
+    "min_speed_moving",
+    "peak_forward_acceleration",
+    "sliding_band",
+)  # of the metrics, where a study names none
 
 
 def summary_markdown(comparison: Comparison) -> str:
@@ -50,10 +63,10 @@ def summary_markdown(comparison: Comparison) -> str:
             lines += ["", paragraph]
         lines += ["", f"| metric | unit | {' | '.join(law.name for law, _ in pairs)} |"]
         lines += [f"| --- | --- |{' ---: |' * len(pairs)}"]
-        for label, unit, cells in metric_rows([run for _, run in pairs]):
-            if label.startswith(_KEPT):
-                lines.append(f"| {label.replace('|', chr(92) + '|')} | {unit} | {' | '.join(cells)} |")
-        note = footnote([run for _, run in pairs], _KEPT)
+        runs, kept = [run for _, run in pairs], study.metrics or _KEPT
+        for label, unit, cells in metric_rows(runs, kept)[all(run.ok for run in runs) :]:
+            lines.append(f"| {label.replace('|', chr(92) + '|')} | {unit} | {' | '.join(cells)} |")
+        note = footnote(runs, kept)
         lines += ["", note.replace("|", chr(92) + "|")] if note else []
     return "\n".join(lines) + "\n"
 

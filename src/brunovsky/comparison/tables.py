@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from brunovsky.analysis import disk_margin, loop_transfer
 from brunovsky.comparison.condition_words import what_acts
-from brunovsky.comparison.definitions import METRIC_DEFINITIONS
+from brunovsky.comparison.definitions import METRIC_DEFINITIONS, Definition
 from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import MARK, both, converged, sensitivity, told
 
-METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in METRIC_DEFINITIONS)
 MARGIN_ROWS = (
     ("gain_lower", "lower gain margin (factor)", 1.0),
     ("gain_upper", "upper gain margin (factor)", 1.0),
@@ -28,41 +28,50 @@ MARGIN_ROWS = (
 )
 
 
-def metric_rows(runs: list[Run]) -> list[tuple[str, str, list[str]]]:
+def told_metrics(names: Sequence[str] = ()) -> tuple[Definition, ...]:
+    """Definitions of metrics of these names, of all without any, in their fixed order."""
+    return tuple(one for one in METRIC_DEFINITIONS if not names or one.name in names)
+
+
+def metric_rows(runs: list[Run], names: Sequence[str] = ()) -> list[tuple[str, str, list[str]]]:
     """Label, unit and one cell for each run; the first row is how the runs ended."""
     status = ("status", "", [_status(run) for run in runs])
-    return [status, *((label, unit, [_cell(run, name) for run in runs]) for name, label, unit in METRIC_ROWS)]
+    return [
+        status,
+        *((one.title, one.unit, [metric_cell(run, one.name) for run in runs]) for one in told_metrics(names)),
+    ]
 
 
 def _status(run: Run) -> str:
     return "ok" if run.ok else f"{run.status.state} at {number(run.status.time)} s"
 
 
-def _cell(run: Run, name: str) -> str:
+def metric_cell(run: Run, name: str, digits: int = 4) -> str:
+    """A metric of a run for a table, marked where the step decides on it."""
     value = both(run, name)[0]
     if value is None:
         return "never" if run.ok and name.startswith("settling") else "–"
     if name.startswith("settling"):
         return f"{'' if converged(run, name) else MARK}{value:.3f}"
-    return told(run, name, 4)
+    return told(run, name, digits)
 
 
-def footnote(runs: list[Run], shown: tuple[str, ...] = ("",)) -> str:
+def footnote(runs: list[Run], names: Sequence[str] = ()) -> str:
     """Which numbers of a table are marked, and by how much they change at half the step; empty if none is.
 
     Parameters
     ----------
     runs : list of Run
         Columns of the table.
-    shown : tuple of str
-        What the labels of its rows begin with.
+    names : sequence of str, optional
+        Metrics that it tells; by default all.
     """
     parts = []
-    for name, label, _ in METRIC_ROWS:
-        marked = [run for run in runs if both(run, name)[0] is not None and not converged(run, name)]
-        if marked and label.startswith(shown):
-            changes = [f"{_change(run, name)} ({run.planned.law})" for run in marked]
-            parts.append(f"{label.split(' (')[0].split(',')[0]} by {joined(changes)}")
+    for one in told_metrics(names):
+        marked = [run for run in runs if both(run, one.name)[0] is not None and not converged(run, one.name)]
+        if marked:
+            changes = [f"{_change(run, one.name)} ({run.planned.law})" for run in marked]
+            parts.append(f"{one.title.split(' (')[0].split(',')[0]} by {joined(changes)}")
     if not parts:
         return ""
     return (

@@ -60,7 +60,7 @@ def linear_section(study: Study) -> LinearSection:
         shared=shares_one_linear_part(study),
         loops=Table("loops", ("loop", "gain K", "poles, 1/s"), rows),
         margins=Table("margins", ("margin at v", *(one.title for one in loops)), margins),
-        figures=tuple(pictures),
+        figures=tuple(pictures) if "linear" in study.figures else (),
         findings=_predictions(found),
     )
 

@@ -2,31 +2,37 @@
 
 from __future__ import annotations
 
-from brunovsky.comparison.facts import number, seconds
+from brunovsky.comparison.facts import number
 from brunovsky.comparison.protocol_section import Table
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import both, told
+from brunovsky.comparison.tables import metric_cell, told_metrics
 
-_COLUMNS = (
-    ("rms_tail_error", "RMS error, last quarter, m"),
-    ("peak_speed", "largest |η₁|, m/s"),
-    ("peak_yaw_acceleration", "largest |u₂|, rad/s²"),
-    ("total_variation_u1", "total variation of u₁, m/s²"),
-    ("total_variation_u2", "total variation of u₂, rad/s²"),
+_MAIN = (
+    "settling_time",
+    "rms_tail_error",
+    "peak_speed",
+    "peak_yaw_acceleration",
+    "total_variation_u1",
+    "total_variation_u2",
 )
 
 
 def overall_table(comparison: Comparison) -> Table:
-    """One row for each run: how it ended, and its main metrics."""
+    """One row for each run: how it ended, and the metrics that the study names, or its main ones."""
+    shown = told_metrics(comparison.study.metrics or _MAIN)
     titles = {one.name: one.title for one in comparison.study.scenarios}
-    columns = ("scenario", "law", "ended", "settling time to 1 cm, s", *(label for _, label in _COLUMNS))
+    columns = (
+        "scenario",
+        "law",
+        "ended",
+        *(one.title if one.unit == "1" else f"{one.title}, {one.unit}" for one in shown),
+    )
     rows = tuple(
         (
             titles[run.planned.scenario],
             run.planned.law,
             ended(run),
-            _settling(run),
-            *(told(run, name) for name, _ in _COLUMNS),
+            *(metric_cell(run, one.name, 3) for one in shown),
         )
         for run in comparison.runs
     )
@@ -39,10 +45,3 @@ def ended(run: Run) -> str:
         return "ok"
     when = f"at {number(run.status.time)} s" if run.status.time is not None else "before its first step"
     return f"failed: {run.status.state} {when}"
-
-
-def _settling(run: Run) -> str:
-    value = both(run, "settling_time")[0]
-    if value is None:
-        return "never" if run.ok else "–"
-    return seconds(value).removesuffix("\u00a0s")

@@ -146,7 +146,7 @@ def _group(comparison: Comparison, title: str, scenarios: list[Scenario], index:
     """A group, with the paths side by side of its scenarios that stand for a figure, if there are at least two."""
     shown = [one for one in scenarios if one.figure and any(run.ok for run in comparison.of(one).values())]
     overview = None
-    if len(shown) > 1:
+    if len(shown) > 1 and "path" in comparison.study.figures:
         caption = "Paths of the scenarios below, on equal scales. The lines of the laws are drawn over one another."
         svg = drawing.svg(figures.paths_figure(comparison, shown), f"paths-{index}", f"Paths: {title}")
         overview = Picture(svg, caption)

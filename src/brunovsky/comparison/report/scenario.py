@@ -12,7 +12,7 @@ from brunovsky.comparison.facts import given
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.protocol_section import Table
 from brunovsky.comparison.run import Comparison
-from brunovsky.comparison.study import Scenario
+from brunovsky.comparison.study import FigureName, Scenario
 from brunovsky.comparison.tables import conditions, footnote, metric_rows
 
 
@@ -42,16 +42,18 @@ _SIGNALS = (
     "remain."
 )
 # In the order in which every scenario shows them.
-_FIGURES: tuple[tuple[str, Callable[[Comparison, Scenario], Figure], str], ...] = (
+_FIGURES: tuple[tuple[FigureName, str, Callable[[Comparison, Scenario], Figure], str], ...] = (
     (
+        "path",
         "Path",
         figures.path_figure,
         "On equal scales. The lines of the laws are drawn over one another: where they coincide, all show.",
     ),
-    ("Errors", figures.errors_figure, f"{{window}} Position errors below 1 nm are drawn at 1 nm. {_SIGNALS}"),
-    ("Physical inputs", figures.inputs_figure, f"{{window}} The law divides by η₁. {_SIGNALS}"),
-    ("Sliding variables", figures.sliding_figure, f"{{window}} {_SIGNALS}"),
+    ("errors", "Errors", figures.errors_figure, f"{{window}} Position errors below 1 nm are drawn at 1 nm. {_SIGNALS}"),
+    ("inputs", "Physical inputs", figures.inputs_figure, f"{{window}} The law divides by η₁. {_SIGNALS}"),
+    ("sliding", "Sliding variables", figures.sliding_figure, f"{{window}} {_SIGNALS}"),
     (
+        "phase",
         "Phase portraits",
         figures.phase_figure,
         "Above error and its rate (a projection: a chain has three states), below sliding variable and its mean "
@@ -71,7 +73,7 @@ def scenario_section(comparison: Comparison, scenario: Scenario) -> ScenarioSect
     caption = f"Metrics of “{scenario.title}” ({scenario.name})"
     caption += ". The robot ends at rest, the law’s singularity, where the guard acts" if rests else ""
     columns = ("metric", "unit", *(law.name for law, _ in pairs))
-    rows = tuple((label, unit, *cells) for label, unit, cells in metric_rows(runs))
+    rows = tuple((label, unit, *cells) for label, unit, cells in metric_rows(runs, comparison.study.metrics))
     drawn = any(run.trajectory.sizes["time"] for run in runs)
     return ScenarioSection(
         scenario=scenario,
@@ -79,7 +81,7 @@ def scenario_section(comparison: Comparison, scenario: Scenario) -> ScenarioSect
         figures=_pictures(comparison, scenario) if drawn else (),
         findings=tuple(scenario_findings(comparison, scenario)),
         table=Table(f"metrics-{scenario.name}", columns, rows, caption),
-        footnote=footnote(runs),
+        footnote=footnote(runs, comparison.study.metrics),
     )
 
 
@@ -88,11 +90,11 @@ def _pictures(comparison: Comparison, scenario: Scenario) -> tuple[Picture, ...]
     until = f"The first {given(window)} s." if window < scenario.duration_s else "To the end."
     found = []
     slides = any("S[1]" in run.trajectory for run in comparison.of(scenario).values())
-    for name, draw, about in _FIGURES:
-        if name == "Sliding variables" and not slides:
+    for kind, name, draw, about in _FIGURES:
+        if kind not in comparison.study.figures or (kind == "sliding" and not slides):
             continue
         title = f"{name}: {scenario.title}"
         key = f"{scenario.name}-{name.lower().replace(' ', '-')}"
         svg = drawing.svg(draw(comparison, scenario), key, title)
-        found.append(Picture(svg, f"{title}. {about.format(window=until)}", narrow=name == "Path"))
+        found.append(Picture(svg, f"{title}. {about.format(window=until)}", narrow=kind == "path"))
     return tuple(found)

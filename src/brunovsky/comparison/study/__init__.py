@@ -10,12 +10,13 @@ from brunovsky.comparison.study.loops import LawKind, Loop
 from brunovsky.comparison.study.planned import PlannedRun
 from brunovsky.comparison.study.scenario import Scenario
 from brunovsky.comparison.study.signals import Noise, Signal
-from brunovsky.comparison.study.study import EngineName, Study, load_study
+from brunovsky.comparison.study.study import EngineName, FigureName, Study, load_study
 
 __all__ = [
     "ChatterGrid",
     "ChatterTable",
     "EngineName",
+    "FigureName",
     "HardwareTable",
     "Law",
     "LawKind",

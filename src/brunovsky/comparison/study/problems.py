@@ -86,6 +86,11 @@ def _line(text: str, where: list[int | str]) -> int | None:
     index = next((part for part in where if isinstance(part, int)), None)
     if not names:
         return None
+    found = _line_of(text, names, index)
+    return found if found or index is None else _line_of(text, names, None)  # an item of a list of values
+
+
+def _line_of(text: str, names: list[str], index: int | None) -> int | None:
     counts: dict[str, int] = {}
     table: list[str] = []
     header = None

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import AfterValidator, Field, FiniteFloat, PlainSerializer, ValidationInfo, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    FiniteFloat,
+    PlainSerializer,
+    ValidationInfo,
+    WithJsonSchema,
+    model_validator,
+)
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.analysis.coupling.scheme import Scheme
@@ -45,7 +53,8 @@ def _frozen(table: Mapping[str, object]) -> FrozenMapping[str, object]:
     return FrozenMapping(table)
 
 
-Metric = Annotated[str, AfterValidator(_metric)]
+_METRICS = {"type": "string", "enum": [one.name for one in METRIC_DEFINITIONS]}
+Metric = Annotated[str, AfterValidator(_metric), WithJsonSchema(_METRICS)]
 KnobKey = Annotated[str, AfterValidator(_knob)]
 Cut = Literal["u1", "u2", "both"]
 Change = Literal["gain", "delay", "lag", "two_lags", "sampling"]

@@ -11,9 +11,9 @@ import json
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import Field, FiniteFloat, PrivateAttr, ValidationError, model_validator
+from pydantic import Field, FiniteFloat, PrivateAttr, ValidationError, field_validator, model_validator
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.analysis.coupling.scheme import Scheme
@@ -26,7 +26,7 @@ from brunovsky.comparison.study.loops import KINDS, Hardware, LawKind, knows_har
 from brunovsky.comparison.study.planned import PlannedRun
 from brunovsky.comparison.study.planning import check_protocol, planned_run
 from brunovsky.comparison.study.problems import describe
-from brunovsky.comparison.study.protocols import Protocol
+from brunovsky.comparison.study.protocols import Metric, Protocol
 from brunovsky.comparison.study.scenario import Scenario, ScenarioTable
 from brunovsky.comparison.study.shortened import shortened_tables
 from brunovsky.comparison.study.signals import seed_of
@@ -36,6 +36,9 @@ from brunovsky.errors import BrunovskyError, StudyError
 FASTEST_LAYER = 2.5  # step times pole of a boundary layer; RK4 is unstable on the real axis from 2.785 on
 MOST_STEPS = 2e6  # of one run, which is kept in memory
 EngineName = Literal["fmpy", "native", "ssp"]
+FigureName = Literal["path", "errors", "inputs", "sliding", "phase", "linear"]
+FIGURES: tuple[FigureName, ...] = get_args(FigureName)
+"""Figures of a report in their fixed order: five of each scenario, and those of the linear part."""
 
 
 class Study(StudyTable):
@@ -44,7 +47,8 @@ class Study(StudyTable):
     ``engine = "ssp"`` runs the components of each loop as FMUs that exchange values every ``communication_step_s`` (the
     step by default), all at once (``scheme = "jacobi"``) or in sequence (``"gauss_seidel"``). ``fmu`` and ``ssp`` are
     files of your own, relative to the study file, that the engines ``fmpy`` and ``ssp`` run in place of the exported
-    ones.
+    ones. ``metrics`` and ``figures`` are what the report shows, by default everything: neither changes what is run,
+    what is claimed or what is kept beside the report. Figures of protocols come with these.
     """
 
     name: Name
@@ -58,12 +62,22 @@ class Study(StudyTable):
     fmu: str | None = None
     ssp: str | None = None
     seed: Annotated[int, Field(ge=0)] = 0
+    metrics: tuple[Metric, ...] = Field(default=(), strict=False)
+    figures: tuple[FigureName, ...] = Field(default=FIGURES, strict=False)
     parameters: ScenarioTable = Field(default_factory=lambda: FrozenMapping({}))
     laws: tuple[Law, ...] = Field(min_length=1, strict=False)
     scenarios: tuple[Scenario, ...] = Field(min_length=1, strict=False)
     chatter: tuple[ChatterTable, ...] = Field(default=(), strict=False)
     protocols: tuple[Protocol, ...] = Field(default=(), strict=False)
     _folder: Path | None = PrivateAttr(default=None)  # that of the study file, where it names others
+
+    @field_validator("metrics", "figures")
+    @classmethod
+    def _check_shown(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        twice = next((one for k, one in enumerate(names) if one in names[:k]), None)
+        if twice is not None:
+            raise ValueError(f"'{twice}' is named twice; name it once")
+        return names
 
     @model_validator(mode="after")
     def _check_runs(self) -> Study:
