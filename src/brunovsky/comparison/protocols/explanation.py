@@ -83,7 +83,9 @@ MARGINS = Explanation(
     "Each law does the same scenario with another gain, delay, lag or sampling period of its actuators; bisection "
     "narrows down the first place where it no longer does. A run counts as stable if its position error stays within "
     "the stated bound over the last quarter, without growing. Beside it stands what the linear part (P = 0), and the "
-    "linear loop within the boundary layer, are predicted to stand along the scenario’s motion.",
+    "linear loop within the boundary layer, are predicted to stand along the scenario’s motion. Both ends of the last "
+    "bracket are run again at half of the step: where stability is lost more than five per cent away from what was "
+    "found, that is a limit of the integration, told as a bound and not as a margin of the law.",
     "A nonlinear loop has no margin as such: these belong to the scenario’s start and duration. A loop may lose "
     "stability and regain it between two of the values that are tried first, and a finite run cannot tell slow decay "
     "from slow growth. A law that chatters within the bound counts as stable. A prediction is of small deviations; a "
