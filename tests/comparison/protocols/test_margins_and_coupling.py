@@ -84,16 +84,16 @@ def test_a_margin_that_moves_at_half_of_the_step_is_that_of_the_step(factor, tol
     assert row["measured"].startswith(cell) if isinstance(cell, str) else row["measured"] == cell
     marks = [line.get_fillstyle() for axes in margins_figure(found).axes for line in axes.get_lines()]
     if told == "as found":
-        assert "step of the simulation" not in words and "none" not in marks
+        assert "integration" not in words and "none" not in marks
         assert upper.difference == pytest.approx(0.0, abs=0.01)
     else:
-        assert f"upper gain margin (factor) at both of {cell}" in words and "Under “a” 1 of 1" not in words
+        assert f"upper gain margin (factor) at both, {cell}" in words and "Under “a” 1 of 1" not in words
         assert upper.difference is None and marks.count("none") == 1
 
 
 def test_a_lower_gain_margin_of_the_step_is_told_the_other_way_round():
     found = measured({}, finer=lambda _law, _cut, change, size: change != "gain" or size > 0.1)
-    assert "lower gain margin (factor) at both of at most 0.30" in " ".join(found.findings())
+    assert "lower gain margin (factor) at both, at most 0.30" in " ".join(found.findings())
 
 
 def errors(order, limit):

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from brunovsky.comparison.definitions import UNREACHED
-from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
+from brunovsky.comparison.facts import CONVERGED, HARDLY, given, joined, number, percent
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import (
     Evaluate,
@@ -26,7 +26,6 @@ from brunovsky.comparison.protocols.evaluation import (
 from brunovsky.comparison.protocols.explanation import MAP, Explanation
 from brunovsky.errors import ParameterError
 
-HARDLY = 0.05  # relative difference up to which two laws are said to hardly differ at a point
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 

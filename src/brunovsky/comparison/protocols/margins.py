@@ -79,7 +79,7 @@ class MeasuredLoopMargins:
             worst = min(less, key=lambda pair: _share(*pair))[0]
             text += f"; the one that falls shortest is {_told(worst)} under “{worst.law}”"
         if stepped:
-            text += f"; {stepped} more are limited by the step of the simulation"
+            text += f"; {stepped} more {'is' if stepped == 1 else 'are'} limited by the step of the simulation"
         return [*told, f"{text}."]
 
     def _of_law(self, law: str) -> list[str]:
@@ -111,10 +111,10 @@ class MeasuredLoopMargins:
             told.append(f"“{law}” has a limit where its linear part has none: {which}.")
         stepped = [one for one in rows if one.bound]
         if stepped:
-            which = joined([f"{_name(one)} of {one.bound} {_value(one)}" for one in stepped])
+            which = joined([f"{_name(one)}, {one.bound} {_value(one)}" for one in stepped])
             told.append(
-                f"Of “{law}” the step of the simulation limits what was found, and not the law alone: {which}; at half "
-                f"of the step the loss of stability moves by more than {percent(MOVES)}."
+                f"Under “{law}” the limit found is that of the integration, not of the law: {which}; at half of the step "
+                f"stability is lost more than {percent(MOVES)} away."
             )
         none = [one for one in rows if one.measured.value is None and one.predicted and one.predicted != float("inf")]
         if none:
