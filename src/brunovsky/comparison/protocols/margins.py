@@ -113,7 +113,7 @@ class MeasuredLoopMargins:
         if stepped:
             which = joined([f"{_name(one)}, {one.bound} {_value(one)}" for one in stepped])
             told.append(
-                f"Under “{law}” the limit found is that of the integration, not of the law: {which}; at half of the step "
+                f"Under “{law}” the limit found is that of the integration, not of the law: {which}; at half the step "
                 f"stability is lost more than {percent(MOVES)} away."
             )
         none = [one for one in rows if one.measured.value is None and one.predicted and one.predicted != float("inf")]
