@@ -40,6 +40,8 @@ SETTINGS: Any = {
 _GRID = 216.0  # strokes an inch that are told apart in a phase portrait
 BINS = 500  # of the thinning; two values a bin
 _DECIMALS = re.compile(r"-?\d+\.\d{3,}")
+_PATHS, _PLACES = re.compile(r' d="[^"]*"'), re.compile(r"<use [^>]*>")
+_COMMANDS = re.compile(r" ?(\n?[MLQCz]) ?")
 _FEW = 1e3  # ratio of the ends of a logarithmic axis with few powers of ten
 LARGEST = 1e12  # what a run that diverged is drawn up to
 
@@ -220,7 +222,8 @@ def svg(figure: Figure, key: str, title: str = "") -> str:
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
     text = re.sub(r' xmlns:(?:cc|dc|rdf)="[^"]*"', "", text)
     text = re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{key}-", text)
-    text = re.sub(r' d="[^"]*"', lambda path: _DECIMALS.sub(_rounded, path[0]), text)
+    text = _PATHS.sub(lambda path: _COMMANDS.sub(r"\1", _DECIMALS.sub(_rounded, path[0])), text)
+    text = _PLACES.sub(lambda use: _DECIMALS.sub(_rounded, use[0]), text)
     return described(text.strip(), title) if title else text.strip()
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
+from brunovsky.comparison.facts import HARDLY as HARDLY
 from brunovsky.comparison.facts import Facts, given, joined, number
 from brunovsky.comparison.residuals import disturbed, predicted_noise, predicted_residual, tail_peaks, within_bounds
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import MARK, both, converged, largest, sensitivity, spread_of, told
 from brunovsky.comparison.study import Law
 
-HARDLY = 0.05  # relative change of a metric up to which two laws are said to hardly differ
 ROUNDING = 1e-9  # m; an error below this is said to be nil for every purpose
 _ITS_OWN = 1.5  # times the relay's amplitude in u2, up to which that is said to be the relay's
 STILL = 1e-3  # rad/s3 of variation of u2 a second, below which there is no chatter to speak of

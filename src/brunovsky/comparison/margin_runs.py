@@ -62,12 +62,17 @@ class _Changes:
         values = {name: value for name, value in values.items() if name in known}
         return replace(run, parameters=run.loop.block.parameter_values({**run.parameters, **values}))
 
-    def stable(self, law: str, cut: str, change: str, size: float) -> bool:
-        """Whether the run ends within the bound."""
+    def stable_at_half_step(self, law: str, cut: str, change: str, size: float) -> bool:
+        """The same with half of the step."""
+        return self.stable(law, cut, change, size, 0.5)
+
+    def stable(self, law: str, cut: str, change: str, size: float, share: float = 1.0) -> bool:
+        """Whether the run ends within the bound, with this share of its step."""
         self.progress(self.count)
         self.count += 1
         try:
             run = self.planned(law, cut, change, size)
+            run = replace(run, step_size=share * run.step_size)
             for failed in run.loop.block.failed_checks(run.parameters, "start"):
                 raise ParameterError(failed.message)
             outcome = check_outcome(self.native.run(run), run)
@@ -103,6 +108,7 @@ def run_margins(
         times=(table.shortest_s, table.longest_s),
         bound=table.bound_m,
         tolerance=table.tolerance,
+        finer=changes.stable_at_half_step,
     )
 
 

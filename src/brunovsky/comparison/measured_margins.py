@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -16,9 +16,12 @@ Simulate = Callable[[float, float], tuple[Array, Array] | None]
 """Simulates with the loop gain times the first number and a delay of the second (s); returns instants (s) and position
 errors (m), or None for a run that failed."""
 
+AtHalfStep = Literal["", "as found", "lost later", "lost earlier"]
+
 CONTRACTS = 0.9  # error of the last quarter over that of the quarter before, up to which a run still converges
 GROWS = 1.1  # and from which a run within its bound is growing
 ROUNDING = 1e-9  # m; a smaller error may grow by rounding alone
+MOVES = 0.05  # relative change at half of the step up to which a margin is said to be that of the loop
 
 
 @dataclass(frozen=True)
@@ -35,12 +38,16 @@ class MeasuredMargin:
         Simulations that were made.
     reason : str
         Why there is no value; empty if there is.
+    at_half_step : str
+        What both ends of the bracket do in runs with half of the step: ``"as found"``, or stability is ``"lost later"``
+        or ``"lost earlier"`` there, so that what was found is the step's; empty where this was not tried.
     """
 
     value: float | None
     unstable_from: float | None
     runs: int
     reason: str = ""
+    at_half_step: AtHalfStep = ""
 
 
 @dataclass(frozen=True)
@@ -123,6 +130,33 @@ def bisect_margin(stable: Callable[[float], bool], low: float, high: float, rtol
         inside, outside = (middle, outside) if stable(middle) else (inside, middle)
         runs += 1
     return MeasuredMargin(inside, outside, runs)
+
+
+def checked_at_half_step(stable: Callable[[float], bool], found: MeasuredMargin) -> MeasuredMargin:
+    """A margin with what becomes of it at half of the step.
+
+    Both ends of its bracket are tried; where one changes its mind, so is the number 5 % beyond it. If that one is as it
+    was the margin has moved, but by less than 5 %, and is as found.
+
+    Parameters
+    ----------
+    stable : function of float
+        Whether the loop is stable for a number, with half of the step.
+    found : MeasuredMargin
+        From :func:`bisect_margin`; one without a value is returned as it is.
+    """
+    if found.value is None or found.unstable_from is None:
+        return found
+    beyond = 1.0 + MOVES if found.unstable_from > found.value else 1.0 / (1.0 + MOVES)
+    ends, runs = (stable(found.value), stable(found.unstable_from)), 2
+    told: AtHalfStep = "as found"
+    if ends != (True, False):
+        runs += 1
+        if not ends[0]:
+            told = "as found" if stable(found.value / beyond) else "lost earlier"
+        else:
+            told = "lost later" if stable(found.unstable_from * beyond) else "as found"
+    return replace(found, runs=found.runs + runs, at_half_step=told)
 
 
 def measured_margins(

@@ -112,9 +112,9 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
         title=f"{_title(result)}: {scenario}",
         explanation=f"{explanation.holds_equal} What it cannot say: {explanation.cannot_say}",
         figure_svg=picture if drawn else "",
-        table=table_of(key, rows, f"{explanation.title}, “{scenario}”"),
+        table=table_of(key, rows, f"{_title(result)}, “{scenario}”"),
         findings=(*findings, *_agreement(one)),
-        caption=f"{explanation.title}, “{scenario}”.",
+        caption=f"{_title(result)}, “{scenario}”.",
         headline=_headline(result, findings, scenario),
     )
 
@@ -134,8 +134,10 @@ def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
 
 
 def _title(result: Result) -> str:
-    """Title of a protocol; that of a sweep names what is swept."""
+    """Title of a protocol; that of a sweep or a map names what is swept."""
     title = result.explanation.title
+    if isinstance(result, Map):
+        return f"{title} over {result.keys}"
     return title.replace("one parameter", result.knob) if isinstance(result, Swept) else title
 
 

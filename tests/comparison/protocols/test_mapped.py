@@ -4,8 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.path import Path
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.protocol_runs import ProtocolRun
+from brunovsky.comparison.protocol_sections import _section
 from brunovsky.comparison.protocols import Axis, Failure, map_figure, mapped
 from brunovsky.errors import ParameterError
 
@@ -59,6 +62,52 @@ def test_a_step_sensitive_metric_without_runs_at_half_the_step_ranks_nothing():
     told = mapped(evaluate, LAWS, X, Y, metrics=["iae"], step_sensitive=["iae"]).findings()
     assert any("ranks no law" in one for one in told)
     assert not any(one.startswith("By the") for one in told)
+
+
+def test_points_at_zero_are_in_no_factor_and_are_told():
+    def zero(law, parameters, case):
+        x, y = parameters[X.key], parameters[Y.key]
+        return {"iae": 0.0 if x == 0.0 else y + x, "rms_tail_error": 0.0}
+
+    found = mapped(zero, {"a": {}}, X, Axis(Y.key, (2.0, 3.0)), metrics=["iae", "rms_tail_error"])
+    told = found.findings()
+    assert "; it is 0 in 2 of 6 points; elsewhere theta_start_rad alone changes it by a factor of 2.0 to 3.0" in told[0]
+    assert told[1].endswith("it is 0 in 6 of 6 points.")
+    assert "the IAE by a factor of 4.0 (0 in 2 of 6 points, left out here)" in found.headline()
+    assert "the RMS position error (last quarter) not at all (it is 0 in all 6 points)" in found.headline()
+
+
+@pytest.mark.parametrize(("slope", "hardly"), [(0.02, True), (0.03, False)])
+def test_what_hardly_depends_on_a_key_is_told_so(slope, hardly):
+    found = mapped(lambda law, p, _: {"iae": 1.0 + slope * p[X.key]}, {"a": {}}, X, Y, metrics=["iae"])
+    assert ("alone hardly changes it, by 3.9\u00a0% of the largest in a row" in found.findings()[0]) == hardly
+    assert ("the IAE by 3.9\u00a0% of its largest value" in found.headline()) == hardly
+    assert ("by a factor of" in found.headline()) != hardly
+
+
+def test_two_maps_of_a_scenario_are_told_apart_by_their_titles():
+    def titles(up):
+        result = mapped(evaluate, {"a": {}}, X, up, metrics=["iae"])
+        section = _section(ProtocolRun(None, result, (), (), {}), 1, "Circle", {}, False)
+        return section.title, section.caption, section.table.caption
+
+    assert titles(Y)[0] == "Map over theta_start_rad and eta_start_1_m_per_s: Circle"
+    assert not set(titles(Y)) & set(titles(Axis("x_start_m", (0.5, 1.0)))) | set(titles(Y)) & set(titles(None))
+
+
+def test_cells_of_a_colour_are_one_path():
+    across, up = Axis("a", tuple(range(40))), Axis("b", tuple(range(30)))
+
+    def diagonal(law, parameters, case):
+        a, b = parameters["a"], parameters["b"]
+        return {"iae": None if a == b else 100.0 + a + b}
+
+    found = mapped(diagonal, {"a": {}}, across, up, metrics=["iae"])
+    patches = map_figure(found).axes[0].patches
+    assert len(patches) == 32 and len({one.get_facecolor() for one in patches}) == 32
+    corners = np.concatenate([one.get_path().vertices[one.get_path().codes != Path.CLOSEPOLY] for one in patches])
+    width, height = np.ptp(corners.reshape(-1, 4, 2), axis=1).T
+    assert np.sum(width * height) == pytest.approx(40 * 30 - 30)  # all but the 30 that are undefined
 
 
 @pytest.mark.parametrize("up", [Y, None])

@@ -7,6 +7,7 @@ import pytest
 from brunovsky.analysis import CouplingError
 from brunovsky.comparison.protocols.coupling import coupling_of
 from brunovsky.comparison.protocols.margins import margins_of
+from brunovsky.comparison.protocols.margins_figure import margins_figure
 
 LIMITS = {"delay": (0.0, 0.0183), "gain": (0.3, math.inf), "sampling": (0.0, 0.02)}
 
@@ -16,10 +17,10 @@ def stable(_law, _cut, change, size):
     return low < size < high
 
 
-def measured(predicted, changes=("gain", "delay"), **more):
+def measured(predicted, changes=("gain", "delay"), stand_in=stable, **more):
     predictions = {("a", "both", name): (value, None) for name, value in predicted.items()}
     options = {"gains": (0.01, 100.0), "times": (1e-3, 0.1), "bound": 0.01, "tolerance": 0.01} | more
-    return margins_of(stable, ["a"], ["both"], changes, predictions, **options)
+    return margins_of(stand_in, ["a"], ["both"], changes, predictions, **options)
 
 
 def test_margins_are_found_within_the_tolerance():
@@ -57,6 +58,42 @@ def test_a_law_that_fails_as_it_is_has_no_margins():
     )
     assert found.findings()[0].startswith("“a” does not do this scenario")
     assert found.found[0].measured.value is None
+
+
+@pytest.mark.parametrize(
+    ("factor", "told", "cell"),
+    [
+        (43.0, "as found", pytest.approx(43.0, rel=0.01)),
+        (44.9, "as found", pytest.approx(43.0, rel=0.01)),
+        (41.2, "as found", pytest.approx(43.0, rel=0.01)),
+        (46.0, "lost later", "at least 42."),
+        (math.inf, "lost later", "at least 42."),
+        (40.0, "lost earlier", "less than 42."),
+    ],
+)
+def test_a_margin_that_moves_at_half_of_the_step_is_that_of_the_step(factor, told, cell):
+    def up_to(factor):
+        return lambda _law, _cut, change, size: 0.3 < size < factor if change == "gain" else size < 0.0183
+
+    found = measured({"gain_upper": 43.0}, stand_in=up_to(43.0), finer=up_to(factor))
+    rows = {one.quantity.name: one for one in found.found}
+    upper = rows["gain_upper"]
+    assert upper.measured.at_half_step == told
+    assert rows["delay"].measured.at_half_step == rows["gain_lower"].measured.at_half_step == "as found"
+    words, row = " ".join(found.findings()), upper.as_row()
+    assert row["measured"].startswith(cell) if isinstance(cell, str) else row["measured"] == cell
+    marks = [line.get_fillstyle() for axes in margins_figure(found).axes for line in axes.get_lines()]
+    if told == "as found":
+        assert "integration" not in words and "none" not in marks
+        assert upper.difference == pytest.approx(0.0, abs=0.01)
+    else:
+        assert f"upper gain margin (factor) at both, {cell}" in words and "Under “a” 1 of 1" not in words
+        assert upper.difference is None and marks.count("none") == 1
+
+
+def test_a_lower_gain_margin_of_the_step_is_told_the_other_way_round():
+    found = measured({}, finer=lambda _law, _cut, change, size: change != "gain" or size > 0.1)
+    assert "lower gain margin (factor) at both, at most 0.30" in " ".join(found.findings())
 
 
 def errors(order, limit):

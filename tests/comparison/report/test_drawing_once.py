@@ -1,5 +1,7 @@
 """What makes figures small keeps what they show: repeated strokes, rounded lengths, descriptions."""
 
+import re
+
 import numpy as np
 
 from brunovsky.comparison import drawing
@@ -39,4 +41,4 @@ def test_lengths_are_rounded_and_the_picture_says_what_it_is():
 
 
 def _decimals(path):
-    return [word.partition(".")[2] for word in path.split()]
+    return re.findall(r"\.(\d*)", path)

@@ -20,7 +20,8 @@ from brunovsky.comparison.protocols.figures import (
 )
 from brunovsky.comparison.protocols.map_figure import map_figure
 from brunovsky.comparison.protocols.mapped import Axis, Map, mapped
-from brunovsky.comparison.protocols.margins import MarginRow, MeasuredLoopMargins
+from brunovsky.comparison.protocols.margin_rows import MarginRow
+from brunovsky.comparison.protocols.margins import MeasuredLoopMargins
 from brunovsky.comparison.protocols.margins_figure import margins_figure
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo, monte_carlo
 from brunovsky.comparison.protocols.monte_carlo_findings import monte_carlo_headline

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from brunovsky.comparison import drawing
@@ -19,9 +23,11 @@ from brunovsky.comparison.protocols.mapped import Axis, Map
 
 _DECADES = 10.0  # ratio of the ends from which colours are logarithmic
 _COLOURS = "cividis"  # lightness rises evenly, so that it reads in grey
+_LEVELS = 32  # of the colours
 _WIDTH = 9.4
 _LINES = 5  # contour lines
 Titles = Mapping[str, str]
+Values = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def map_figure(result: Map, titles: Titles | None = None) -> Figure:
@@ -41,10 +47,8 @@ def _heat_maps(result: Map, titles: Titles) -> Figure:
         for axes, law, one in zip(grid[row], laws, values, strict=True):
             axes.grid(False)
             if norm is not None:
-                mesh = axes.pcolormesh(
-                    _edges(result.across), _edges(result.up), one, cmap=_COLOURS, norm=norm, linewidth=0.1,
-                    edgecolors="face",
-                )  # fmt: skip
+                mesh = ScalarMappable(norm, matplotlib.colormaps[_COLOURS].resampled(_LEVELS))
+                _cells(axes, _edges(result.across), _edges(result.up), one, mesh)
                 _contours(axes, result.across, result.up, one, norm)
             _crosses(axes, result, law, metric, one)
             sensitive = " (depends on the step)" if metric in result.step_sensitive else ""
@@ -101,8 +105,24 @@ def _norm(values: np.ndarray[Any, np.dtype[np.float64]]) -> Normalize | None:
     return Normalize(low, high if high > low else low + max(abs(low), 1e-9))
 
 
+def _cells(axes: Axes, x: Values, y: Values, values: Values, colours: ScalarMappable) -> None:
+    """Cells of a map: one path for each colour, neighbours in a row joined, which keeps the picture small."""
+    rectangles: dict[tuple[float, ...], list[Path]] = {}
+    for row, below, above in zip(colours.to_rgba(np.ma.masked_invalid(values)), y[:-1], y[1:], strict=True):
+        column = 0
+        for colour, cells in itertools.groupby(map(tuple, row)):
+            first, column = column, column + len(list(cells))
+            corners = [(x[first], below), (x[column], below), (x[column], above), (x[first], above), (0.0, 0.0)]
+            rectangles.setdefault(colour, []).append(Path(corners, closed=True))
+    for colour, paths in rectangles.items():
+        if colour[3]:  # what is undefined is clear
+            joined = Path.make_compound_path(*paths)
+            axes.add_patch(PathPatch(joined, facecolor=colour, edgecolor=colour, linewidth=0.5))
+    axes.set(xlim=x[[0, -1]], ylim=y[[0, -1]])
+
+
 def _contours(axes: Axes, across: Axis, up: Axis, values: Any, norm: Normalize) -> None:
-    """Lines of equal value with their numbers, dark on a light rim, so that they read on any colour."""
+    """Lines of equal value with their numbers, dark on light, so that they read on any colour."""
     if min(values.shape) < 2 or np.isfinite(values).sum() < 4 or np.nanmax(values) <= np.nanmin(values):
         return
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
@@ -114,7 +134,7 @@ def _contours(axes: Axes, across: Axis, up: Axis, values: Any, norm: Normalize) 
         across.values, up.values, np.ma.masked_invalid(values), levels=levels, colors="#000000", linewidths=0.7
     )
     for text in axes.clabel(found, fmt=lambda one: number(one, 2), fontsize=7.0):
-        text.set_path_effects([withStroke(linewidth=2.0, foreground="#ffffff")])
+        text.set_bbox({"boxstyle": "square,pad=0.1", "facecolor": "#ffffff", "alpha": 0.8, "linewidth": 0.0})
 
 
 def _crosses(axes: Axes, result: Map, law: str, metric: str, values: Any) -> None:

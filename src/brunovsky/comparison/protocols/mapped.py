@@ -6,27 +6,23 @@ import itertools
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from statistics import median
 from typing import Any
 
 import numpy as np
 
-from brunovsky.comparison.definitions import UNREACHED
-from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
+from brunovsky.comparison.facts import CONVERGED, given
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import (
     Evaluate,
     Trial,
     attempt,
     check_laws,
-    failures_told,
-    phrase,
     unit,
 )
 from brunovsky.comparison.protocols.explanation import MAP, Explanation
+from brunovsky.comparison.protocols.mapped_findings import map_findings, map_headline
 from brunovsky.errors import ParameterError
 
-HARDLY = 0.05  # relative difference up to which two laws are said to hardly differ at a point
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
@@ -118,9 +114,9 @@ class Map:
             row["not converged"] = int(np.sum(np.isfinite(values) & ~np.isfinite(sure)))
             if np.isfinite(sure).any():
                 low, high = np.nanargmin(sure), np.nanargmax(sure)
-                row |= {"least": float(sure.flat[low]), "at": self._place(int(low))}
+                row |= {"least": float(sure.flat[low]), "at": self.place(int(low))}
                 row |= {"median": float(np.nanmedian(sure))}
-                row |= {"largest": float(sure.flat[high]), "there": self._place(int(high))}
+                row |= {"largest": float(sure.flat[high]), "there": self.place(int(high))}
             found.append(row)
         return found
 
@@ -131,86 +127,22 @@ class Map:
 
     def findings(self) -> list[str]:
         """Sentences that follow from the numbers: failures, the range of each metric, how the laws differ."""
-        told = failures_told(self.trials)
-        for metric in self.metrics:
-            told += [self._range(law, metric) for law in self.laws]
-            if metric in self.step_sensitive and not self.finer:
-                told.append(f"The {phrase(metric)} depends on the step of the simulation: it ranks no law.")
-                continue
-            told += [self._difference(*pair, metric) for pair in itertools.combinations(self.laws, 2)]
-        return told
+        return map_findings(self)
 
     def headline(self) -> str:
         """The one sentence for a verdict: by what factor each metric varies over the map under the first law."""
-        law, parts = self.laws[0], []
-        for metric in self.metrics:
-            known = self.sure(law, metric)
-            known = known[np.isfinite(known) & (known > 0.0)]
-            if known.size:
-                parts.append(f"the {phrase(metric)} by a factor of {number(float(known.max() / known.min()), 2)}")
-        keys = self.across.key if self.up is None else f"{self.across.key} and {self.up.key}"
-        if not parts:
-            return f"Over {keys} no metric of “{law}” is converged anywhere."
-        failed = ", ".join(f"{int(self.failed(one).sum())} (“{one}”)" for one in self.laws)
-        return (
-            f"Over {keys} there vary, under “{law}” and where converged with the step, {joined(parts)}; of "
-            f"{self.shape[0] * self.shape[1]} runs under each law there failed {failed}."
-        )
+        return map_headline(self)
 
-    def _place(self, index: int) -> str:
+    @property
+    def keys(self) -> str:
+        """What is swept, in words."""
+        return self.across.key if self.up is None else f"{self.across.key} and {self.up.key}"
+
+    def place(self, index: int) -> str:
+        """Where a point of the grid is, in words."""
         row, column = np.unravel_index(index, self.shape)
         text = f"{self.across.key} = {given(self.across.values[int(column)])}"
         return text if self.up is None else f"{text}, {self.up.key} = {given(self.up.values[int(row)])}"
-
-    def _range(self, law: str, metric: str) -> str:
-        every, values, what = self.grid(law, metric), self.sure(law, metric), phrase(metric)
-        known = np.isfinite(every)
-        if not np.isfinite(values).any():
-            return f"Under “{law}” the {what} is defined, and converged with the step, nowhere on the map."
-        low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
-        size = f"\u00a0{unit(metric)}" if unit(metric) else ""
-        text = (
-            f"Under “{law}” the {what} is {number(values.flat[low])}{size} at least ({self._place(low)}) and "
-            f"{number(values.flat[high])}{size} at most ({self._place(high)})"
-        )
-        text += self._factor(values)
-        missing = int(np.sum(~known & ~self.failed(law)))
-        if missing:
-            late = ", as it is beyond the end of the run" if metric in UNREACHED else ""
-            text += f"; in {missing} of {values.size} runs it is undefined{late}"
-        unsure = int(np.sum(known & ~np.isfinite(values)))
-        if unsure:
-            text += f"; in {unsure} it changes by more than {percent(CONVERGED)} at half the step, and is left out"
-        return f"{text}."
-
-    def _factor(self, values: Array) -> str:
-        """By what factor the key along a row changes a metric, row by row."""
-        factors = []
-        for row in values:
-            known = row[np.isfinite(row)]
-            if known.size > 1 and known.min() > 0.0:
-                factors.append(float(known.max() / known.min()))
-        if not factors:
-            return ""
-        if len(factors) == 1:
-            return f"; {self.across.key} alone changes it by a factor of {number(factors[0], 2)}"
-        return (
-            f"; {self.across.key} alone changes it by a factor of {number(min(factors), 2)} to "
-            f"{number(max(factors), 2)}, row by row (median {number(median(factors), 2)})"
-        )
-
-    def _difference(self, first: str, second: str, metric: str) -> str:
-        a, b = self.sure(first, metric), self.sure(second, metric)
-        both = np.isfinite(a) & np.isfinite(b)
-        what, count = phrase(metric), int(both.sum())
-        if not count:
-            return f"“{first}” and “{second}” have no point of the map with the {what} of both converged."
-        size = np.maximum(np.abs(a[both]), np.abs(b[both]))
-        change = np.divide(b[both] - a[both], size, out=np.zeros(count), where=size > 0.0)
-        lower, higher = int((change < -HARDLY).sum()), int((change > HARDLY).sum())
-        text = f"By the {what} “{second}” is lower than “{first}” in {lower} and higher in {higher} of {count} points"
-        rest = f" where both have it converged, by more than {percent(HARDLY)} of the larger"
-        return f"{text}{rest}; in the other {count - lower - higher} the two hardly differ."
 
 
 def mapped(

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from brunovsky.comparison.facts import joined, number, percent
-from brunovsky.comparison.measured_margins import MeasuredMargin, bisect_margin
+from brunovsky.comparison.facts import joined, percent
+from brunovsky.comparison.measured_margins import MOVES, MeasuredMargin, bisect_margin, checked_at_half_step
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.explanation import MARGINS, Explanation
+from brunovsky.comparison.protocols.margin_rows import CUTS, QUANTITIES, MarginRow, Quantity, value_told
 
 FIRST_TRIED = 9  # values between the ends, of which the first that is not stable is bisected towards the one before
 CLOSE = 0.05  # relative difference up to which measured and predicted are said to agree
@@ -23,95 +24,6 @@ UNUSABLE = "not stable as it is"
 Stable = Callable[[str, str, str, float], bool]
 """Whether a law (name) is stable with a change (quantity) of some size at a cut; the size that changes nothing is 1 for
 a gain and 0 for all else."""
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """What is changed about a loop.
-
-    Attributes
-    ----------
-    name : str
-        In rows.
-    title, unit : str
-        For people.
-    change : str
-        Key of the study.
-    falling : bool
-        Whether it is made smaller; the others are made larger.
-    """
-
-    name: str
-    title: str
-    unit: str
-    change: str
-    falling: bool = False
-
-
-QUANTITIES = (
-    Quantity("gain_lower", "lower gain margin (factor)", "1", "gain", falling=True),
-    Quantity("gain_upper", "upper gain margin (factor)", "1", "gain"),
-    Quantity("delay", "delay", "s", "delay"),
-    Quantity("lag", "one lag", "s", "lag"),
-    Quantity("two_lags", "each of two equal lags", "s", "two_lags"),
-    Quantity("sampling", "sampling period", "s", "sampling"),
-)
-CUTS = {"u1": "at u₁", "u2": "at u₂", "both": "at both"}
-
-
-@dataclass(frozen=True)
-class MarginRow:
-    """One margin of one law.
-
-    Attributes
-    ----------
-    law, cut : str
-        Of which law, and where.
-    quantity : Quantity
-        What is changed.
-    measured : MeasuredMargin
-        What was found by simulation.
-    predicted : float or None
-        For the linear part (P = 0) along the scenario's motion; infinite where nothing limits it, None where there is
-        no prediction.
-    within_layer : float or None
-        The same within the boundary layer; None for a law without.
-    """
-
-    law: str
-    cut: str
-    quantity: Quantity
-    measured: MeasuredMargin
-    predicted: float | None
-    within_layer: float | None
-
-    @property
-    def difference(self) -> float | None:
-        """Measured over predicted, less 1; None where either is missing."""
-        if self.measured.value is None or not self.predicted or self.predicted == float("inf"):
-            return None
-        return self.measured.value / self.predicted - 1.0
-
-    @property
-    def limited(self) -> bool:
-        """Whether there is a limit, measured or predicted."""
-        predicted = (self.predicted, self.within_layer)
-        return self.measured.value is not None or any(one not in (None, 0.0, float("inf")) for one in predicted)
-
-    def as_row(self) -> dict[str, Any]:
-        """Cells of a table, times in ms."""
-        scale = 1.0 if self.quantity.unit == "1" else 1e3
-        measured, lost = self.measured.value, self.measured.unstable_from
-        return {
-            "law": self.law,
-            "at": self.cut,
-            "margin": self.quantity.title + ("" if scale == 1.0 else ", ms"),
-            "measured": self.measured.reason if measured is None else scale * measured,
-            "lost at": None if lost is None else scale * lost,
-            "predicted, P = 0": _shown(self.predicted, scale),
-            "predicted within the layer": _shown(self.within_layer, scale),
-            "measured over predicted": None if self.difference is None else 1.0 + self.difference,
-        }
 
 
 @dataclass(frozen=True)
@@ -158,6 +70,7 @@ class MeasuredLoopMargins:
         less = [(one, by) for one, by in apart if _worse(one, by) and abs(by) > CLOSE]
         close = sum(abs(by) <= CLOSE for _, by in apart)
         more = len(apart) - close - len(less)
+        stepped = sum(bool(one.bound) for one in self.found)
         text = (
             f"Of {len(apart)} margins of the linear part that are predicted and were measured on the nonlinear loop, "
             f"{close} agree within {percent(CLOSE)}, {len(less)} are smaller and {more} larger"
@@ -165,6 +78,8 @@ class MeasuredLoopMargins:
         if less:
             worst = min(less, key=lambda pair: _share(*pair))[0]
             text += f"; the one that falls shortest is {_told(worst)} under “{worst.law}”"
+        if stepped:
+            text += f"; {stepped} more {'is' if stepped == 1 else 'are'} limited by the step of the simulation"
         return [*told, f"{text}."]
 
     def _of_law(self, law: str) -> list[str]:
@@ -181,19 +96,26 @@ class MeasuredLoopMargins:
                 f"Under “{law}” {close} of {len(compared)} margins are as predicted for its linear part, within "
                 f"{percent(CLOSE)}."
             )
-        layered = [one for one in rows if one.within_layer not in (None, 0.0, float("inf")) and one.measured.value]
+        layered = [one for one in rows if one.within_layer not in (None, 0.0, float("inf")) and one.of_law]
         if layered:
-            inside = sum(abs((one.measured.value or 0.0) / (one.within_layer or 1.0) - 1.0) <= CLOSE for one in layered)
+            inside = sum(abs((one.of_law or 0.0) / (one.within_layer or 1.0) - 1.0) <= CLOSE for one in layered)
             told.append(f"As predicted for the loop within its boundary layer are {inside} of {len(layered)}.")
         for some, word in ((less, "less"), (more, "more")):
             if some:
                 told.append(
                     f"“{law}” stands {word} than its linear part is predicted to: {joined(list(map(_told, some)))}."
                 )
-        beyond = [one for one in rows if one.predicted in (0.0, float("inf")) and one.measured.value is not None]
+        beyond = [one for one in rows if one.predicted in (0.0, float("inf")) and one.of_law is not None]
         if beyond:
-            which = joined([f"{_name(one)} of {_value(one.measured.value, one.quantity)}" for one in beyond])
+            which = joined([f"{_name(one)} of {value_told(one.measured.value, one.quantity)}" for one in beyond])
             told.append(f"“{law}” has a limit where its linear part has none: {which}.")
+        stepped = [one for one in rows if one.bound]
+        if stepped:
+            which = joined([f"{_name(one)}, {one.bound} {_value(one)}" for one in stepped])
+            told.append(
+                f"Under “{law}” the limit found is that of the integration, not of the law: {which}; at half the step "
+                f"stability is lost more than {percent(MOVES)} away."
+            )
         none = [one for one in rows if one.measured.value is None and one.predicted and one.predicted != float("inf")]
         if none:
             which = joined([f"{_name(one)} ({one.measured.reason})" for one in none])
@@ -212,6 +134,7 @@ def margins_of(
     times: tuple[float, float],
     bound: float,
     tolerance: float,
+    finer: Stable | None = None,
 ) -> MeasuredLoopMargins:
     """Measure every margin of every law by bisection.
 
@@ -227,6 +150,8 @@ def margins_of(
         Ends of what is tried: factors about 1; s.
     bound, tolerance : float
         See :class:`MeasuredLoopMargins`.
+    finer : Stable, optional
+        Makes the same run at half of the step; tells the margins of the laws from those of the step.
     """
     rows = []
     for law in laws:
@@ -237,6 +162,8 @@ def margins_of(
                 if usable:
                     changed = partial(stable, law, cut, one.change)
                     found = _measured(changed, one, gains, times, tolerance)
+                    if finer is not None:
+                        found = checked_at_half_step(partial(finer, law, cut, one.change), found)
                 rows.append(MarginRow(law, cut, one, found, *predictions.get((law, cut, one.name), (None, None))))
     return MeasuredLoopMargins(tuple(rows), bound, tolerance)
 
@@ -256,12 +183,12 @@ def _measured(
     count = 0
     for before, after in pairwise(tried):
         if count == 0 and one.change != "gain" and not stable(before):
-            return MeasuredMargin(None, None, 1, f"below {_value(before, one)}")
+            return MeasuredMargin(None, None, 1, f"below {value_told(before, one)}")
         count += 1
         if not stable(after):
             found = bisect_margin(stable, min(before, after), max(before, after), tolerance)
             return replace(found, runs=found.runs + count)
-    return MeasuredMargin(None, None, count, f"none to {_value(high, one)}")
+    return MeasuredMargin(None, None, count, f"none to {value_told(high, one)}")
 
 
 def _worse(one: MarginRow, apart: float) -> bool:
@@ -278,18 +205,12 @@ def _name(one: MarginRow) -> str:
 
 
 def _told(one: MarginRow) -> str:
-    measured, predicted = (_value(value, one.quantity) for value in (one.measured.value, one.predicted))
+    measured, predicted = (value_told(value, one.quantity) for value in (one.measured.value, one.predicted))
     return f"{_name(one)}, {measured} measured for {predicted}"
 
 
-def _value(value: float | None, quantity: Quantity) -> str:
-    if value is None or quantity.unit == "1":
-        return number(value)
-    return f"{number(1e3 * value)} ms"
+def _value(one: MarginRow) -> str:
+    return value_told(one.measured.value, one.quantity)
 
 
-def _shown(value: float | None, scale: float) -> float | str | None:
-    return "none" if value in (0.0, float("inf")) else None if value is None else scale * value
-
-
-__all__ = ["CUTS", "QUANTITIES", "MarginRow", "MeasuredLoopMargins", "Quantity", "margins_of"]
+__all__ = ["MeasuredLoopMargins", "margins_of"]

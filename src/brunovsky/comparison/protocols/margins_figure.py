@@ -10,11 +10,12 @@ from matplotlib.lines import Line2D
 
 from brunovsky.comparison import drawing
 from brunovsky.comparison.protocols.figures import MARKERS, Titles
-from brunovsky.comparison.protocols.margins import CUTS, MarginRow, MeasuredLoopMargins
+from brunovsky.comparison.protocols.margin_rows import CUTS, MarginRow
+from brunovsky.comparison.protocols.margins import MeasuredLoopMargins
 
 
 def margins_figure(result: MeasuredLoopMargins, titles: Titles | None = None) -> Figure:
-    """One panel for each margin that is limited somewhere: markers measured, a bar for P = 0, a cross for the layer."""
+    """One panel for each limited margin: markers measured (open: by the step), bars for P = 0, crosses in layers."""
     quantities = list(dict.fromkeys(one.quantity for one in result.found if _shown(one)))
     cuts = list(dict.fromkeys(one.cut for one in result.found))
     columns = min(max(len(quantities), 1), 3)
@@ -31,7 +32,8 @@ def margins_figure(result: MeasuredLoopMargins, titles: Titles | None = None) ->
             if one.within_layer and one.within_layer != float("inf"):
                 axes.plot([scale * one.within_layer], [place], "x", color="#555555", markersize=7.0)
             if one.measured.value is not None:
-                axes.plot([scale * one.measured.value], [place], MARKERS[index % len(MARKERS)], **_point(index))
+                look = _point(index) | ({"fillstyle": "none"} if one.bound else {})
+                axes.plot([scale * one.measured.value], [place], MARKERS[index % len(MARKERS)], **look)
         axes.set_title(quantity.title + ("" if scale == 1.0 else ", ms"), loc="left")
         axes.set_yticks(range(len(places)), [f"{law} {CUTS[cut]}" for law, cut in places])
         axes.set_ylim(len(places) - 0.5, -0.5)
@@ -57,6 +59,9 @@ def margins_figure(result: MeasuredLoopMargins, titles: Titles | None = None) ->
         handles.append(
             Line2D([], [], linestyle="none", marker="x", color="#555555", label="predicted within the layer")
         )
+    if any(one.bound for one in result.found):
+        look = {"marker": MARKERS[0], "fillstyle": "none", "color": "#555555", "label": "open: limited by the step"}
+        handles.append(Line2D([], [], linestyle="none", **look))
     figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
     return figure
 

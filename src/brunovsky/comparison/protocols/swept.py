@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from brunovsky.comparison.facts import given, number, percent
+from brunovsky.comparison.facts import HARDLY, given, number, percent
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import (
     Evaluate,
@@ -21,8 +21,6 @@ from brunovsky.comparison.protocols.evaluation import (
 )
 from brunovsky.comparison.protocols.explanation import SWEPT, Explanation
 from brunovsky.errors import ParameterError
-
-HARDLY = 0.01  # relative range of a metric below which it is said to hardly change
 
 
 @dataclass(frozen=True)
@@ -87,11 +85,13 @@ class Swept:
         if len(y) < 2:
             return f"Under “{law}” the {phrase(metric)} is defined for fewer than two values of {self.knob}."
         over = f"Under “{law}” the {phrase(metric)}"
-        span = f"as {self.knob} goes from {given(x[0])} to {given(x[-1])}"
+        span = f"{given(x[0])} to {given(x[-1])}"
         size = max(abs(one) for one in y)
-        if size == 0.0 or max(y) - min(y) <= HARDLY * size:
-            share = 0.0 if size == 0.0 else (max(y) - min(y)) / size
-            return f"{over} hardly changes {span}: by {percent(share)} of its largest value at most."
+        share = 0.0 if size == 0.0 else (max(y) - min(y)) / size
+        if share <= HARDLY:
+            by = percent(share) if share > 1e-4 else "less than 0.01\u00a0%"
+            return f"{over} hardly depends on {self.knob} from {span}: it varies by {by} of its largest value."
+        span = f"as {self.knob} goes from {span}"
         steps = [b - a for a, b in itertools.pairwise(y)]
         ends = f"from {number(y[0])} to {_told(y[-1], metric)}"
         if all(one >= 0.0 for one in steps) or all(one <= 0.0 for one in steps):
