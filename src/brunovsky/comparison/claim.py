@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
+from brunovsky.analysis import surface_poles
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.study import Law, Scenario
 
@@ -67,6 +70,13 @@ def has_printed_gains(run: Run) -> bool:
     """Whether the gains are those that the paper prints; pole placement has its linear part alone."""
     p = run.planned.parameters
     return all(p[name] == value for name, value in PRINTED.items()) and p["P"] in (0.0, PRINTED_P)
+
+
+def decay_rates(run: Run) -> tuple[float, float]:
+    """How fast the error decays in the end, once sliding and under pole placement, from the gains, 1/s."""
+    p = run.planned.parameters
+    sliding = -float(np.max(np.real(surface_poles([p[f"C[{k}]"] for k in (1, 2, 3)]))))
+    return sliding, min(sliding, p["Q"])
 
 
 def of_kind(comparison: Comparison, kinds: Sequence[str]) -> list[Law]:

@@ -2,40 +2,66 @@
 
 from __future__ import annotations
 
-from brunovsky.comparison.claim import Case, Finding, Verdict, is_nominal, of_kind, pairs
+import math
+
+from brunovsky.comparison.claim import Case, Finding, Verdict, decay_rates, is_nominal, of_kind, pairs
 from brunovsky.comparison.facts import percent, spread
 from brunovsky.comparison.features import scenario_features
 from brunovsky.comparison.findings_steady import HARDLY
+from brunovsky.comparison.metrics import SETTLED, TAIL
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import sure_change
+from brunovsky.comparison.sensitivity import settled, sure_change
 
 _START = ("x_start", "y_start", "theta_start", "eta_start[1]", "eta_start[2]", "u_start[1]")
 
 
 def starts(comparison: Comparison, cases: list[Case]) -> Finding | None:
-    """Whether the error settles from every start that was run, under sliding mode and under pole placement."""
-    sliding = _nominal(comparison, cases, ["saturation", "sign"])
+    """Whether the error settles from every start that was run, under sliding mode and under pole placement.
+
+    Only runs are judged whose error exceeds the threshold at all, and that are long enough to settle.
+    """
+    nominal = _nominal(comparison, cases, ["saturation", "sign"])
+    sliding = [run for run in nominal if _can_be_judged(run)]
     count = len({_start(run) for run in sliding})
     failed = _failed(comparison)
-    if count + failed < 2 or not sliding:
+    good = [run for run in sliding if settled(run)]
+    never = [run for run in sliding if run.metrics.settling_time is None]
+    late = len(sliding) - len(good) - len(never)
+    if count + failed < 2 or not sliding or late == len(sliding):
         return None
-    settled = [run for run in sliding if run.metrics.settling_time is not None]
-    times = [run.metrics.settling_time or 0.0 for run in settled]
-    text = f"{len(settled)} of {len(sliding) + failed} undisturbed runs under sliding mode, from {count} starts, "
-    text += f"settle to 1 cm, within {spread(times, 's')}" if settled else "settle to 1 cm"
-    linear = _nominal(comparison, cases, ["linear"])
+    times = [run.metrics.settling_time or 0.0 for run in good]
+    text = f"{len(good)} of {len(sliding) + failed} undisturbed runs under sliding mode, from {count} starts, "
+    text += f"settle to 1 cm, within {spread(times, 's')}" if good else "settle to 1 cm"
+    text += f"; {late} of the others had not settled for good (within 1 cm for the last quarter)" if late else ""
+    linear = [run for run in _nominal(comparison, cases, ["linear"]) if _can_be_judged(run)]
     if linear:
-        as_well = sum(run.metrics.settling_time is not None for run in linear)
+        as_well = sum(map(settled, linear))
         text += f"; under pole placement {as_well} of {len(linear)} do, so that this is no merit of the switching term"
         text += "" if as_well == len(linear) else " alone"
-    complete = len(settled) == len(sliding) + failed
+    text += "."
+    left = len(nominal) - len(sliding)
+    if left:
+        text += (
+            f" {left} more under sliding mode cannot be judged: they never exceed 1 cm, or are too short for the gains."
+        )
+    complete = len(good) == len(sliding) + failed
     lost = sum(trial.failure is not None for one in comparison.protocols for trial in getattr(one.result, "trials", ()))
-    word: Verdict = (
-        "confirmed" if complete and not lost else "confirmed under conditions" if settled else "contradicted"
-    )
+    word: Verdict = "confirmed" if complete and not lost else "confirmed under conditions" if good else "contradicted"
     if not comparison.protocols:
-        return Finding(word, f"{text}. Other starts were not run.")
-    return Finding(word, f"{text}. The protocols are not counted here; {lost or 'none'} of their runs failed.")
+        return Finding(word, f"{text} Other starts were not run.")
+    return Finding(word, f"{text} The protocols are not counted here; {lost or 'none'} of their runs failed.")
+
+
+def _can_be_judged(run: Run) -> bool:
+    """Whether there is an error to speak of, and the slowest mode takes the start's distance below the threshold.
+
+    It has to do so before the last quarter of the run; gains that are not stable have all the time they need.
+    """
+    if run.metrics.settling_time == 0.0:
+        return False
+    p, rate = run.planned, min(decay_rates(run))
+    distance = math.dist([p.parameters[name] for name in ("x_start", "y_start")], p.aim)
+    return rate <= 0.0 or math.log(max(distance / SETTLED, 1.0)) <= rate * TAIL * p.duration
 
 
 def _nominal(comparison: Comparison, cases: list[Case], kinds: list[str]) -> list[Run]:

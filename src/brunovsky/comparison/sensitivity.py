@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from brunovsky.comparison.facts import CONVERGED, Facts, change, number
+from brunovsky.comparison.metrics import TAIL
 from brunovsky.comparison.run import Run
 
 ALIKE = 0.1  # relative change at half the step up to which a difference between two laws is told
@@ -53,11 +54,23 @@ def converged(run: Run, *names: str) -> bool:
     return run.half_step is not None and run.half_step.facts is not None
 
 
+def settled(run: Run, name: str = "settling_time") -> bool:
+    """Whether the error was within the threshold of a settling time for at least the last quarter of the run.
+
+    An error that swings or is noisy about the threshold, or a run that is cut short, has its last crossing later.
+    """
+    value = both(run, name)[0]
+    return value is not None and value <= TAIL * run.planned.duration
+
+
 def sure_change(run: Run, base: Run, name: str) -> float | None:
     """Relative change of a metric or fact from one run to another; None where the step decides on it.
 
-    Both numbers must be converged, and their relative change must be the same within a tenth at half the step.
+    Both numbers must be converged, and their relative change must be the same within a tenth at half the step; of a
+    settling time both runs must have settled for good.
     """
+    if name.startswith("settling") and not (settled(run, name) and settled(base, name)):
+        return None
     if not converged(run, name) or not converged(base, name):
         return None
     value, half = (change(a, b) for a, b in zip(both(run, name), both(base, name), strict=True))

@@ -8,6 +8,7 @@ import pytest
 from brunovsky.comparison import Comparison, Run, Status
 from brunovsky.comparison.claims import claims
 from brunovsky.comparison.features import features
+from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.metrics import Metrics
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.verdict import verdict
@@ -102,6 +103,47 @@ def test_what_the_step_decides_examines_nothing(paper_runs):
 )
 def test_claims_flip_with_their_numbers(paper_runs, values, part, expected):
     assert of(altered(paper_runs, lambda run: values), part).verdict == expected
+
+
+@pytest.mark.parametrize(
+    ("share", "expected"),
+    [
+        (0.0, ("not examined", "confirmed", "confirmed under conditions", "not examined")),
+        (0.74, ("contradicted", "confirmed", "confirmed under conditions", "confirmed")),
+        (0.76, ("not examined", "confirmed under conditions", "confirmed under conditions", "not examined")),
+        (None, ("not examined", "contradicted", "contradicted", "contradicted")),
+    ],
+)
+def test_what_crosses_the_threshold_in_the_last_quarter_has_not_settled(paper_runs, share, expected):
+    def change(run):
+        found = dict.fromkeys(TIMES, None if share is None else share * run.planned.duration)
+        return found | {"peak_speed": 1.0, "peak_yaw_acceleration": 1.0}
+
+    made = altered(paper_runs, change)
+    parts = ("its rate", "control smoothness", "to any point", "strength of convergence")
+    assert tuple(of(made, part).verdict for part in parts) == expected
+    assert ("had not settled for good" in of(made, "control smoothness").shown) == (share == 0.76)
+    assert ("neither had settled for good" in sentences(made)) == (share in (0.76, None))
+    told = scenario_findings(made, made.study.scenarios[0])[0]
+    assert ("had not settled for good" in told) == (share == 0.76)
+
+
+def test_one_run_that_swings_about_the_threshold_takes_away_what_is_said_of_all(paper_runs):
+    one = "fig6-inside/sign"
+    late = {name: 0.9 * run.planned.duration for run in paper_runs.runs if run.planned.name == one for name in TIMES}
+    made = altered(paper_runs, lambda run: late if run.planned.name == one else dict.fromkeys(TIMES, 1.0))
+    starts = of(made, "strength of convergence")
+    assert starts.verdict == "confirmed under conditions"
+    assert "1 of the others had not settled for good" in starts.shown
+    assert "pole placement settles for good, and it had not" in sentences(made)
+    assert "(fig6-inside/sign had not settled for good)" in of(made, "control smoothness").shown
+
+
+@pytest.mark.parametrize(("duration", "expected"), [(20.0, "confirmed"), (0.5, "not examined")])
+def test_starts_are_not_judged_in_runs_that_are_too_short_to_settle(paper_runs, duration, expected):
+    made = altered(paper_runs, lambda run: {"settling_time": 0.1})
+    runs = tuple(replace(run, planned=replace(run.planned, duration=duration)) for run in made.runs)
+    assert of(replace(made, runs=runs), "strength of convergence").verdict == expected
 
 
 @pytest.mark.parametrize(("u1", "u2", "expected"), [(1.1, 1.1, "confirmed"), (1.1, 9.0, "confirmed under conditions"),

@@ -12,7 +12,7 @@ from brunovsky.comparison.features import run_features
 from brunovsky.comparison.findings_steady import HARDLY, ROUNDING, STILL
 from brunovsky.comparison.protocol_section import ProtocolSection
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import both, converged, largest, spread_of, sure_change
+from brunovsky.comparison.sensitivity import both, converged, largest, settled, spread_of, sure_change
 
 Pair = tuple[Run, Run]
 _SHARE = {"settling_time": "the settling time to 1 cm", "rms_tail_error": "the RMS error of the last quarter"}
@@ -153,10 +153,10 @@ def _difference(name: str, pairs: list[Pair]) -> str:
         aside = f"; in {_pairs(len(nil))} it is nil with and without (below 1 nm)" if nil else ""
     if all(both(run, name)[0] == 0.0 for pair in pairs for run in pair):
         return ""
-    never = [pair for pair in pairs if None in (both(run, name)[0] for run in pair)] if name == "settling_time" else []
-    if never:
-        pairs = [pair for pair in pairs if pair not in never]
-        aside = _unsettled(never)
+    open_ = [pair for pair in pairs if not all(map(settled, pair))] if name == "settling_time" else []
+    if open_:
+        pairs = [pair for pair in pairs if pair not in open_]
+        aside = _unsettled(open_)
         if not pairs:
             return f"is not ranked by {what}{aside.replace(';', ':', 1)}."
     known = [change for a, b in pairs for change in [sure_change(b, a, name)] if change is not None]
@@ -169,12 +169,12 @@ def _difference(name: str, pairs: list[Pair]) -> str:
 
 
 def _unsettled(pairs: list[Pair]) -> str:
-    """Pairs of runs of which one or both never settle to 1 cm, in words."""
-    settles = [tuple(both(run, "settling_time")[0] is not None for run in pair) for pair in pairs]
+    """Pairs of runs of which one or both had not settled to 1 cm for good, in words."""
+    settles = [tuple(map(settled, pair)) for pair in pairs]
     words = (
-        ((False, True), "it settles, and pole placement never does"),
-        ((True, False), "pole placement settles, and it never does"),
-        ((False, False), "neither ever settles"),
+        ((False, True), "it settles for good, and pole placement had not"),
+        ((True, False), "pole placement settles for good, and it had not"),
+        ((False, False), "neither had settled for good"),
     )
     return "".join(f"; in {_pairs(settles.count(one))} {text}" for one, text in words if one in settles)
 
