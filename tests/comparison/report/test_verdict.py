@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import pytest
 
+from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison import Comparison, Run, Status
 from brunovsky.comparison.claims import claims
+from brunovsky.comparison.facts import number
 from brunovsky.comparison.features import features
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.metrics import Metrics
@@ -164,6 +166,52 @@ def test_robustness_is_never_confirmed_without_conditions_where_dynamics_are_mis
     made = altered(paper_runs, scaled("rms_tail_error", factor, 1e-3))
     made = altered(made, scaled("settling_time", 1.0))
     assert of(made, "robustness").verdict == expected
+
+
+NOISE = FrozenMapping({"n[1]": 1e-3})
+
+
+def noisy(comparison: Comparison, scenarios: tuple[str, ...], factors: Mapping[str, float]) -> Comparison:
+    """Noise in some scenarios, where the last error is that of pole placement times a factor of each run."""
+    made = altered(comparison, lambda run: {"rms_tail_error": 1e-3 * factors.get(run.planned.name, 1.0)})
+    return replace(
+        made,
+        runs=tuple(
+            replace(run, planned=replace(run.planned, noise=NOISE)) if run.planned.scenario in scenarios else run
+            for run in made.runs
+        ),
+    )
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside", "expected"),
+    [
+        (1.0, 1.04, "confirmed"),
+        (0.5, 1.0, "confirmed"),
+        (0.5, 1.5, "confirmed under conditions"),
+        (1.2, 1.5, "contradicted"),
+    ],
+)
+def test_the_claim_on_noise_tells_each_scenario(paper_runs, inside, outside, expected):
+    scenarios = ("fig6-inside", "fig6-outside")
+    factors = {"fig6-inside/sign": inside, "fig6-outside/sign": outside}
+    factors |= {name.replace("sign", "saturation"): one for name, one in factors.items()}
+    found = of(noisy(paper_runs, scenarios, factors), "as to noise")
+    assert found.verdict == expected
+    word = {0.5: "better", 1.0: "level", 1.04: "level", 1.2: "worse", 1.5: "worse"}
+    for scenario, one in zip(scenarios, (inside, outside), strict=True):
+        title = paper_runs.study.scenario(scenario).title
+        assert f"{title}: {word[one]} under “saturation”" in found.shown
+    assert f"{number(1e-3 * inside)} instead of 0.00100 m" in found.shown
+
+
+def test_less_error_where_more_than_noise_acts_confirms_no_robustness_against_noise(paper_runs):
+    disturbed = next(run.planned.scenario for run in paper_runs.runs if any(run.planned.inputs.values()))
+    better = {f"{disturbed}/sign": 0.5, f"{disturbed}/saturation": 0.5}
+    found = of(noisy(paper_runs, (disturbed,), better), "as to noise")
+    assert found.verdict == "confirmed under conditions" and "not counted, as more than noise acts" in found.shown
+    worse = {"fig6-inside/sign": 2.0, "fig6-inside/saturation": 2.0}
+    assert of(noisy(paper_runs, (disturbed, "fig6-inside"), better | worse), "as to noise").verdict == "contradicted"
 
 
 def test_a_failed_run_is_told_first_and_confirms_nothing_without_conditions(paper_runs):
