@@ -29,6 +29,7 @@ from brunovsky.comparison.protocols import (
     swept_figure,
 )
 from brunovsky.comparison.run import Comparison
+from brunovsky.comparison.symbols import symbol
 
 _FIGURES: Mapping[type, Callable[..., Figure]] = {
     Swept: swept_figure,
@@ -136,7 +137,7 @@ def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
 def _title(result: Result) -> str:
     """Title of a protocol; that of a sweep names what is swept."""
     title = result.explanation.title
-    return title.replace("one parameter", result.knob) if isinstance(result, Swept) else title
+    return title.replace("one parameter", symbol(result.knob)) if isinstance(result, Swept) else title
 
 
 def _agreement(one: ProtocolRun) -> list[str]:

@@ -12,6 +12,7 @@ from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import Evaluate, Trial, check_laws, phrase, unit
 from brunovsky.comparison.protocols.explanation import EQUAL_EFFORT, Explanation
 from brunovsky.comparison.protocols.tuning import Knob, Tuning, tune
+from brunovsky.comparison.symbols import setting, symbol
 from brunovsky.errors import ParameterError
 
 
@@ -106,10 +107,10 @@ class EqualEffort:
         told_off = percent(off) if off > 1e-4 else "less than 0.01\u00a0%"
         text = (
             f"{of} has {phrase(self.effort)} = {number(effort)} {unit(self.effort)}".rstrip()
-            + f", {told_off} off the target, at {one.knob.parameter} = {number(one.value)} ({one.runs} of "
+            + f", {told_off} off the target, at {setting(one.knob.parameter, one.value, number)} ({one.runs} of "
             f"{self.budget} runs)"
         )
-        return text + ("." if one.monotone else f"; its effort is not monotone in {one.knob.parameter}.")
+        return text + ("." if one.monotone else f"; its effort is not monotone in {symbol(one.knob.parameter)}.")
 
     def _compared(self, metric: str) -> str:
         if metric in self.step_sensitive:

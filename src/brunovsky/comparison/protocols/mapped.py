@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from brunovsky.comparison.definitions import UNREACHED
-from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
+from brunovsky.comparison.facts import CONVERGED, joined, number, percent
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import (
     Evaluate,
@@ -24,6 +24,7 @@ from brunovsky.comparison.protocols.evaluation import (
     unit,
 )
 from brunovsky.comparison.protocols.explanation import MAP, Explanation
+from brunovsky.comparison.symbols import setting, symbol
 from brunovsky.errors import ParameterError
 
 HARDLY = 0.05  # relative difference up to which two laws are said to hardly differ at a point
@@ -148,7 +149,7 @@ class Map:
             known = known[np.isfinite(known) & (known > 0.0)]
             if known.size:
                 parts.append(f"the {phrase(metric)} by a factor of {number(float(known.max() / known.min()), 2)}")
-        keys = self.across.key if self.up is None else f"{self.across.key} and {self.up.key}"
+        keys = " and ".join(symbol(one.key) for one in (self.across, self.up) if one is not None)
         if not parts:
             return f"Over {keys} no metric of “{law}” is converged anywhere."
         failed = ", ".join(f"{int(self.failed(one).sum())} (“{one}”)" for one in self.laws)
@@ -159,8 +160,8 @@ class Map:
 
     def _place(self, index: int) -> str:
         row, column = np.unravel_index(index, self.shape)
-        text = f"{self.across.key} = {given(self.across.values[int(column)])}"
-        return text if self.up is None else f"{text}, {self.up.key} = {given(self.up.values[int(row)])}"
+        text = setting(self.across.key, self.across.values[int(column)])
+        return text if self.up is None else f"{text}, {setting(self.up.key, self.up.values[int(row)])}"
 
     def _range(self, law: str, metric: str) -> str:
         every, values, what = self.grid(law, metric), self.sure(law, metric), phrase(metric)
@@ -193,9 +194,9 @@ class Map:
         if not factors:
             return ""
         if len(factors) == 1:
-            return f"; {self.across.key} alone changes it by a factor of {number(factors[0], 2)}"
+            return f"; {symbol(self.across.key)} alone changes it by a factor of {number(factors[0], 2)}"
         return (
-            f"; {self.across.key} alone changes it by a factor of {number(min(factors), 2)} to "
+            f"; {symbol(self.across.key)} alone changes it by a factor of {number(min(factors), 2)} to "
             f"{number(max(factors), 2)}, row by row (median {number(median(factors), 2)})"
         )
 

@@ -20,6 +20,7 @@ from brunovsky.comparison.protocols.evaluation import (
     unit,
 )
 from brunovsky.comparison.protocols.explanation import SWEPT, Explanation
+from brunovsky.comparison.symbols import key_value, symbol
 from brunovsky.errors import ParameterError
 
 HARDLY = 0.01  # relative range of a metric below which it is said to hardly change
@@ -85,9 +86,9 @@ class Swept:
     def _trend(self, law: str, metric: str) -> str:
         x, y = self.curve(law, metric)
         if len(y) < 2:
-            return f"Under “{law}” the {phrase(metric)} is defined for fewer than two values of {self.knob}."
+            return f"Under “{law}” the {phrase(metric)} is defined for fewer than two values of {symbol(self.knob)}."
         over = f"Under “{law}” the {phrase(metric)}"
-        span = f"as {self.knob} goes from {given(x[0])} to {given(x[-1])}"
+        span = f"as {symbol(self.knob)} goes from {given(x[0])} to {key_value(x[-1], self.knob)}"
         size = max(abs(one) for one in y)
         if size == 0.0 or max(y) - min(y) <= HARDLY * size:
             share = 0.0 if size == 0.0 else (max(y) - min(y)) / size
