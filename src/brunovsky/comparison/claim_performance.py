@@ -8,6 +8,7 @@ from brunovsky.comparison.claim import (
     Verdict,
     decay_rates,
     has_printed_gains,
+    is_long_enough,
     is_nominal,
     is_regulation,
     of_kind,
@@ -84,7 +85,9 @@ def _rates(run: Run) -> str:
 def errors(comparison: Comparison, cases: list[Case]) -> Finding | None:
     """Whether steady-state errors are small without disturbance."""
     found = [
-        (a, b) for _, a, b in pairs(comparison, cases, ["saturation", "sign"]) if is_nominal(a) and not is_regulation(a)
+        (a, b)
+        for _, a, b in pairs(comparison, cases, ["saturation", "sign"])
+        if is_nominal(a) and not is_regulation(a) and is_long_enough(a)
     ]
     if not found:
         return None

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
-from brunovsky.comparison.claim import Case, Finding, Verdict, decay_rates, is_nominal, of_kind, pairs
+from brunovsky.comparison.claim import Case, Finding, Verdict, is_long_enough, is_nominal, of_kind, pairs
 from brunovsky.comparison.facts import percent, spread
 from brunovsky.comparison.features import run_features
 from brunovsky.comparison.findings_steady import HARDLY
-from brunovsky.comparison.metrics import SETTLED, TAIL
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.sensitivity import settled, sure_change, told
 
@@ -55,15 +53,8 @@ def starts(comparison: Comparison, cases: list[Case]) -> Finding | None:
 
 
 def _can_be_judged(run: Run) -> bool:
-    """Whether there is an error to speak of, and the slowest mode takes the start's distance below the threshold.
-
-    It has to do so before the last quarter of the run; gains that are not stable have all the time they need.
-    """
-    if run.metrics.settling_time == 0.0:
-        return False
-    p, rate = run.planned, min(decay_rates(run))
-    distance = math.dist([p.parameters[name] for name in ("x_start", "y_start")], p.aim)
-    return rate <= 0.0 or math.log(max(distance / SETTLED, 1.0)) <= rate * TAIL * p.duration
+    """Whether there is an error to speak of, and time for it to settle."""
+    return run.metrics.settling_time != 0.0 and is_long_enough(run)
 
 
 def _nominal(comparison: Comparison, cases: list[Case], kinds: Sequence[str]) -> list[Run]:

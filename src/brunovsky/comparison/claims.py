@@ -24,7 +24,7 @@ _TESTS: tuple[tuple[str, str, Test], ...] = (
     ),
     (
         "“good performances concerning […] the steady state errors”",
-        f"{_FROM_PLAIN}, along a trajectory and without disturbance",
+        f"{_FROM_PLAIN}, along a trajectory and without disturbance, in runs that are long enough to settle",
         claim_performance.errors,
     ),
     (

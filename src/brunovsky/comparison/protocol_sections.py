@@ -125,8 +125,7 @@ def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
     if isinstance(result, MonteCarlo | Map):
         return f"“{scenario}”: {result.headline()}"
     if isinstance(result, EqualEffort):
-        compared = [one for one in findings if one.startswith("At equal effort")]
-        findings = [] if result.idle else compared or findings
+        findings = [result.headline()] if result.headline() else []
     if not findings:
         return ""
     if isinstance(result, Pareto):  # who dominates whom; the hypervolume that follows it ranks nothing

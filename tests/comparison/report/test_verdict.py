@@ -14,6 +14,7 @@ from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.metrics import Metrics
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.verdict import verdict
+from brunovsky.comparison.study.loops import Loop
 
 
 def altered(
@@ -123,9 +124,11 @@ def test_what_crosses_the_threshold_in_the_last_quarter_has_not_settled(paper_ru
 
     made = altered(paper_runs, change)
     parts = ("its rate", "control smoothness", "to any point", "strength of convergence")
-    assert tuple(of(made, part).verdict for part in parts) == expected
-    assert ("had not settled for good" in of(made, "control smoothness").shown) == (share == 0.76)
-    assert ("neither had settled for good" in sentences(made)) == (share in (0.76, None))
+    every = claims(made)
+    found = [next(one for one in every if part in one.quote) for part in parts]
+    assert tuple(one.verdict for one in found) == expected
+    assert ("had not settled for good" in found[1].shown) == (share == 0.76)
+    assert ("neither had settled for good" in "\n".join(verdict(made, every))) == (share in (0.76, None))
     told = scenario_findings(made, made.study.scenarios[0])[0]
     assert ("had not settled for good" in told) == (share == 0.76)
 
@@ -239,6 +242,41 @@ def test_the_verdict_counts_both_directions_and_what_is_not_converged(paper_runs
     assert "in some runs lowers and in others raises the settling time" in sentences(altered(paper_runs, change))
     text = sentences(altered(paper_runs, scaled("rms_tail_error", 0.5, 1e-3), factor=2.0))
     assert "cannot be ranked by the RMS error of the last quarter" in text and "lowers the RMS" not in text
+
+
+@pytest.mark.parametrize("count", [4, 6])
+def test_many_relatives_are_told_by_the_best_and_the_worst(paper_runs, monkeypatch, count):
+    made = altered(paper_runs, scaled("settling_time", 0.5)).of(paper_runs.study.scenario("fig6-inside"))
+    base, sign = made["linear"], made["sign"]
+    factors = (0.5, 0.9, 1.2, 3.0, 1.1, 1.3)[:count]
+    groups = []
+    for index, factor in enumerate(factors):
+        one = altered(replace(paper_runs, runs=(sign,)), lambda run, f=factor: {"settling_time": f}).runs[0]
+        groups.append((f"the law “law{index}”", [(base, one)]))
+    module = "brunovsky.comparison.report.verdict._against_pole_placement"
+    monkeypatch.setattr(module, lambda comparison: groups)
+    text = sentences(paper_runs)
+    if count == 4:
+        assert "settling time to 1 cm changes by −50\u00a0% under “law0”, −10\u00a0% under “law1”, 20" in text
+    else:
+        best, worst = "−50\u00a0% at best, under “law0”,", "200\u00a0% at worst, under “law3”; the tables have each"
+        assert f"changes under 6 laws (6 of 6 pairs of runs) by {best} and {worst}" in text
+        assert "law1" not in next(one for one in text.splitlines() if "settling time to 1 cm" in one)
+
+
+def test_a_law_as_it_ships_is_said_to_be_untuned(paper_runs):
+    plain = paper_runs.study.law("linear").model_copy(update={"name": "other", "kind": "observer"})
+    study = paper_runs.study.model_copy(update={"laws": (paper_runs.study.law("linear"), plain)})
+    loop = Loop("disturbance_observer")
+
+    def text(given: frozenset[str]) -> str:
+        runs = [run for run in paper_runs.runs if run.planned.law == "linear"]
+        other = [replace(run.planned, law="other", loop=loop, given=given) for run in runs]
+        runs += [replace(run, planned=planned) for run, planned in zip(runs, other, strict=True)]
+        return sentences(replace(paper_runs, study=study, runs=tuple(runs)))
+
+    assert "the law “other” (untuned defaults)" in text(frozenset({"x_start", "eta_min"}))
+    assert "untuned" not in text(frozenset({"bandwidth"}))
 
 
 def test_a_gentle_robot_is_not_said_to_be_violent(paper_runs):

@@ -18,7 +18,8 @@ Pair = tuple[Run, Run]
 _SHARE = {"settling_time": "the settling time to 1 cm", "rms_tail_error": "the RMS error of the last quarter"}
 
 _SWITCHING = "the switching term of the same linear part"
-MANY = 3  # laws of other kinds, from which on they share their sentences
+MANY = 3  # laws of other kinds, beyond which they share their sentences
+LISTED = 4  # laws, beyond which a sentence tells the best and the worst of them
 _ACTING = {
     "disturbance": "disturbances",
     "uncertainty": "parameter errors",
@@ -75,14 +76,28 @@ def _against_pole_placement(comparison: Comparison) -> list[tuple[str, list[Pair
             paper = law.kind in ("saturation", "sign")
             label = _SWITCHING if paper else f"the law “{law.name}”"
             found.setdefault(label, []).append((base, run))
-    return list(found.items())
+    return [(label + _defaults(pairs), pairs) for label, pairs in found.items()]
+
+
+def _defaults(pairs: list[Pair]) -> str:
+    """A word where a law was run as it ships, with no parameter of its own chosen by the study."""
+    return " (untuned defaults)" if all(_is_untuned(run) for _, run in pairs) else ""
+
+
+def _is_untuned(run: Run) -> bool:
+    controller = run.planned.loop.block.components.get("controller")
+    if controller is None or run.planned.in_family:
+        return False
+    own = {one.name for one in controller.parameters} - {"sampling_period"}
+    return own.isdisjoint(name.removeprefix("controller.") for name in run.planned.given)
 
 
 def _relatives(groups: list[tuple[str, list[Pair]]]) -> list[str]:
     """Many laws of other kinds, each against pole placement, in one sentence for each metric."""
     sentences = []
     for name, nominal in (("settling_time", True), ("rms_tail_error", True), ("rms_tail_error", False)):
-        told, unsure, nil, acting = [], [], [], ""
+        told: list[tuple[str, list[float], int]] = []
+        unsure, nil, acting = [], [], ""
         for label, every in groups:
             law, pairs = label.removeprefix("the law "), [pair for pair in every if is_nominal(pair[0]) is nominal]
             acting = "without disturbance" if nominal else f"under {_acting(pairs)}"
@@ -94,23 +109,42 @@ def _relatives(groups: list[tuple[str, list[Pair]]]) -> list[str]:
             ):
                 nil.append(law)
             elif changes:
-                left = "" if len(changes) == len(pairs) else f", in {len(changes)} of {len(pairs)}"
-                told.append(f"{_range(changes)} under {law}{left}")
+                told.append((law, changes, len(pairs)))
             elif pairs:
                 unsure.append(law)
-        parts = [f"changes by {joined(told)}"] if told else []
-        parts += [f"is not ranked, as the step decides or it is undefined, under {joined(unsure)}"] if unsure else []
-        parts += [f"is nil, as under pole placement (below 1 nm), under {joined(nil)}"] if nil else []
+        parts = [_told(told)] if told else []
+        parts += [f"is not ranked, as the step decides or it is undefined, under {_listed(unsure)}"] if unsure else []
+        parts += [f"is nil, as under pole placement (below 1 nm), under {_listed(nil)}"] if nil else []
         if parts:
             sentences.append(f"Against pole placement and {acting}, {_SHARE[name]} {'; '.join(parts)}.")
     return [*sentences, *_rougher(groups)]
 
 
+def _told(found: list[tuple[str, list[float], int]]) -> str:
+    """By how much a metric changes under each of a few laws; of many the best and the worst."""
+    if len(found) <= LISTED:
+        parts = []
+        for law, changes, total in found:
+            left = "" if len(changes) == total else f", in {len(changes)} of {total}"
+            parts.append(f"{_range(changes)} under {law}{left}")
+        return f"changes by {joined(parts)}"
+    best, worst = min(found, key=lambda one: min(one[1])), max(found, key=lambda one: max(one[1]))
+    known, total = sum(len(changes) for _, changes, _ in found), sum(total for *_, total in found)
+    return (
+        f"changes under {len(found)} laws ({known} of {total} pairs of runs) by {percent(min(best[1]))} at best, under "
+        f"{best[0]}, and {percent(max(worst[1]))} at worst, under {worst[0]}; the tables have each"
+    )
+
+
+def _listed(laws: list[str]) -> str:
+    return joined(laws) if len(laws) <= LISTED else f"{len(laws)} laws"
+
+
 def _rougher(groups: list[tuple[str, list[Pair]]]) -> list[str]:
     """Under which of many laws the yaw acceleration varies more than under pole placement."""
     counts = [(label.removeprefix("the law "), len(_rough(pairs)), len(pairs)) for label, pairs in groups]
-    rough = [f"{law} ({count} of {total})" for law, count, total in counts if count]
-    return [f"u₂ varies more than under pole placement, in pairs of runs, under {joined(rough)}."] if rough else []
+    rough = [f"{law}, in {count} of {total}" for law, count, total in counts if count]
+    return [f"Of the pairs of runs, u₂ varies more than under pole placement under {_listed(rough)}."] if rough else []
 
 
 def _rough(pairs: list[Pair]) -> list[Run]:
