@@ -24,7 +24,8 @@ def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
     rejected: list[bool] = []
     idle: list[str] = []
     unknown: list[str] = []
-    unmatched, count = False, 0
+    remaining: set[float] = set()
+    count = 0
     for scenario, runs in cases:
         by_kind = {kinds[name]: run for name, run in runs.items()}
         linear, relay = by_kind.get("linear"), by_kind.get("sign")
@@ -36,7 +37,8 @@ def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
             count += 1
             rejected.append(largest(relay, "rms_tail_error") < max(_least(linear) / 10.0, ROUNDING))
             parts.append(f"{scenario.title}: {_residuals(linear, relay)}")
-            unmatched = unmatched or (tail_peaks(linear.planned)["d[1]"] > 0.0 and not rejected[-1])
+            if tail_peaks(linear.planned)["d[1]"] > 0.0 and not rejected[-1]:
+                remaining.update(run.planned.parameters["P"] for run in (linear, relay))
             continue
         slower = _slower(cases, scenario, {"linear": linear, "sign": relay})
         if not slower:
@@ -49,9 +51,10 @@ def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
     if not parts:
         return None
     text = f"{'; '.join(parts)}."
-    if unmatched:
-        text += " What enters the chains below v (unmatched) stays whatever the gain P, as long as z″ is computed from"
-        text += " the model."
+    if remaining:
+        gains = [f"{given(gain)}\u00a0m/s³" for gain in sorted(remaining)]
+        text += f" What enters the chains below v (unmatched) remains at every P that was run ({joined(gains)}), z″"
+        text += " being computed from the model."
     if idle:
         text += f" Not counted, as it tests neither law (nil error, and hardly any delay, under both): {joined(idle)}."
     if unknown:

@@ -9,7 +9,7 @@ from brunovsky.comparison.facts import percent, spread
 from brunovsky.comparison.features import run_features
 from brunovsky.comparison.findings_steady import HARDLY
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import settled, sure_change, told
+from brunovsky.comparison.sensitivity import is_tiny, settled, sure_change, told
 
 _SLIDING = ("saturation", "sign")
 _START = ("x_start", "y_start", "theta_start", "eta_start[1]", "eta_start[2]", "u_start[1]")
@@ -105,6 +105,9 @@ def _against(linear: Run, other: Run, change: float | None) -> str:
     numbers = f"{told(other, name)} instead of {told(linear, name)} m"
     if change is None:
         return f"not told {law}, as the step decides ({numbers})"
+    word = "better" if change < 0.0 else "worse"
+    if is_tiny(linear, name):
+        return f"{'level' if abs(change) <= HARDLY else word} {law} ({numbers})"
     if abs(change) <= HARDLY:
         return f"level {law} ({numbers})"
-    return f"{'better' if change < 0.0 else 'worse'} {law} ({percent(change)}: {numbers})"
+    return f"{word} {law} ({percent(change)}: {numbers})"

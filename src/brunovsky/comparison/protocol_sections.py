@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing
 from brunovsky.comparison.chatter_section import chatter_section
+from brunovsky.comparison.facts import number
 from brunovsky.comparison.figures import worst_paths_figure
 from brunovsky.comparison.protocol_runs import Path, ProtocolRun, Result
 from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
@@ -40,6 +41,9 @@ _FIGURES: Mapping[type, Callable[..., Figure]] = {
     MeasuredLoopMargins: margins_figure,
     Coupling: coupling_figure,
 }
+
+
+_SAME = "the two positions are bit for bit the same"
 
 
 def protocol_sections(comparison: Comparison, *, drawn: bool = True) -> tuple[ProtocolSection, ...]:
@@ -146,10 +150,8 @@ def _agreement(one: ProtocolRun) -> list[str]:
         return []
     differing = [found.run for found in one.agreement if not found.agrees]
     apart = "" if not differing else f"; {len(differing)} of them beyond what counts as agreement"
-    return [
-        f"The native simulation repeated {len(one.agreement)} of the trials; the two positions are at most "
-        f"{max(known):.2g} m apart{apart}."
-    ]
+    far = f"the two positions are at most {number(max(known), 2)} m apart" if max(known) else _SAME
+    return [f"The native simulation repeated {len(one.agreement)} of the trials; {far}{apart}."]
 
 
 def _worst_section(one: ProtocolRun, index: int, titles: Mapping[str, str]) -> ProtocolSection:

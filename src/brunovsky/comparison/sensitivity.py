@@ -5,12 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from brunovsky.comparison.facts import CONVERGED, Facts, change, number
+from brunovsky.comparison.definitions import definition
+from brunovsky.comparison.facts import CONVERGED, TINY, Facts, change, number
 from brunovsky.comparison.metrics import TAIL
 from brunovsky.comparison.run import Run
 
 ALIKE = 0.1  # relative change at half the step up to which a difference between two laws is told
 MARK = "≈\u00a0"  # before a number that is not
+
+
+def step_note(engine: str) -> str:
+    """What the mark before a number means, for the engine that made it."""
+    share = f"{100 * CONVERGED:g}\u00a0%"
+    if engine == "ssp":
+        return (
+            "Each run was repeated natively, as one system and at half the step: a number marked "
+            f"{MARK.strip()} differs by more than {share} there, by the error of the coupling, the step or both, so "
+            "that it is no property of the law alone, and no law is ranked by it."
+        )
+    return (
+        f"Each run was repeated natively at half the step and nothing else changed: a number marked {MARK.strip()} "
+        f"changes by more than {share}, so that it is a property of the step too, not of the law alone, and no law is "
+        "ranked by it."
+    )
 
 
 def facts_of(run: Run) -> Facts:
@@ -77,6 +94,12 @@ def sure_change(run: Run, base: Run, name: str) -> float | None:
     if value is None or half is None or abs(half - value) > ALIKE * abs(value):
         return None
     return value
+
+
+def is_tiny(run: Run, name: str) -> bool:
+    """Whether a metric is a length so small that a share of it says nothing."""
+    value, known = both(run, name)[0], definition(name)
+    return value is not None and known is not None and known.unit == "m" and value < TINY
 
 
 def largest(run: Run, name: str) -> float:

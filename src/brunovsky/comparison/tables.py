@@ -11,7 +11,7 @@ from brunovsky.comparison.definitions import METRIC_DEFINITIONS
 from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
 from brunovsky.comparison.run import Run
-from brunovsky.comparison.sensitivity import MARK, both, converged, sensitivity, told
+from brunovsky.comparison.sensitivity import MARK, both, converged, is_tiny, sensitivity, told
 
 METRIC_ROWS = tuple((one.name, one.title, one.unit) for one in METRIC_DEFINITIONS)
 MARGIN_ROWS = (
@@ -72,6 +72,8 @@ def footnote(runs: list[Run], shown: tuple[str, ...] = ("",)) -> str:
 
 
 def _change(run: Run, name: str) -> str:
+    if is_tiny(run, name):
+        return f"{number((both(run, name)[1] or 0.0) - (both(run, name)[0] or 0.0), 2)} m"
     found = sensitivity(run, name)
     return "an undefined share" if found is None else percent(found)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,8 +13,11 @@ from brunovsky.comparison.facts import number
 from brunovsky.comparison.features import features
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.metrics import Metrics
+from brunovsky.comparison.protocol_sections import protocol_sections
+from brunovsky.comparison.protocols import swept
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.verdict import verdict
+from brunovsky.comparison.sensitivity import step_note
 from brunovsky.comparison.study.loops import Loop
 
 
@@ -262,6 +266,47 @@ def test_many_relatives_are_told_by_the_best_and_the_worst(paper_runs, monkeypat
         best, worst = "−50\u00a0% at best, under “law0”,", "200\u00a0% at worst, under “law3”; the tables have each"
         assert f"changes under 6 laws (6 of 6 pairs of runs) by {best} and {worst}" in text
         assert "law1" not in next(one for one in text.splitlines() if "settling time to 1 cm" in one)
+
+
+@pytest.mark.parametrize(("base", "factor"), [(1e-7, 1e3), (1e-3, 1.5)])
+def test_no_share_is_told_of_an_error_below_a_micrometre(paper_runs, base, factor):
+    text = sentences(altered(paper_runs, scaled("rms_tail_error", factor, base)))
+    assert ("at 1.00×10⁻⁴\u00a0m instead of 1.00×10⁻⁷\u00a0m" in text.replace("1.0×", "1.00×")) == (base < 1e-6)
+    assert ("raises the RMS error of the last quarter (50\u00a0%" in text) == (base > 1e-6)
+
+
+def test_one_pair_of_runs_is_told_as_one(paper_runs):
+    runs = tuple(run for run in paper_runs.runs if run.planned.name in ("fig6-inside/linear", "fig6-inside/sign"))
+    study = paper_runs.study.model_copy(update={"laws": tuple(paper_runs.study.law(n) for n in ("linear", "sign"))})
+    study = study.model_copy(update={"scenarios": (paper_runs.study.scenario("fig6-inside"),)})
+    made = replace(paper_runs, study=study, runs=runs)
+    assert "Its price: in the one pair of runs u₂ varies more" in sentences(made)
+    calm = altered(made, lambda run: {"total_variation_u2": 1.0})
+    assert "than pole placement in the one pair of runs." in sentences(calm)
+
+
+def test_the_mark_is_explained_for_the_engine_that_ran():
+    assert "nothing else changed" in step_note("native") and step_note("fmpy") == step_note("native")
+    assert "nothing else changed" not in step_note("ssp")
+    assert "by the error of the coupling, the step or both" in step_note("ssp")
+
+
+@pytest.mark.parametrize(
+    ("apart", "words"), [(0.0, "are bit for bit the same."), (2.5e-13, "at most 2.5×10⁻¹³ m apart.")]
+)
+def test_trials_that_agree_exactly_are_said_to_be_the_same(paper_runs, apart, words):
+    trials = swept(lambda *_: {"iae": 1.0}, {"linear": {}}, "P_m_per_s3", (0.0, 1.0), metrics=["iae"])
+    agreed = SimpleNamespace(run="a", position=apart, agrees=True)
+    table = SimpleNamespace(scenario="fig6-inside")
+    protocol = SimpleNamespace(table=table, result=trials, agreement=(agreed,), worst=())
+    (section,) = protocol_sections(replace(paper_runs, protocols=(protocol,)), drawn=False)
+    assert section.findings[-1].endswith(words)
+    assert section.title.startswith("Same linear part, P swept")
+
+
+def test_what_stays_is_said_of_the_gains_that_were_run(paper_runs):
+    shown = of(paper_runs, "robustness").shown
+    assert "remains at every P that was run (0\u00a0m/s³ and 2.5\u00a0m/s³)" in shown
 
 
 def test_a_law_as_it_ships_is_said_to_be_untuned(paper_runs):

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from brunovsky.comparison.facts import joined, number, percent
+from brunovsky.comparison.facts import TINY, joined, number, percent
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import Evaluate, Trial, check_laws, phrase, unit
 from brunovsky.comparison.protocols.explanation import EQUAL_EFFORT, Explanation
@@ -153,7 +153,12 @@ class EqualEffort:
         (least, low), *others = ordered
         higher = {law: self._excess(least, law, metric, low, value) for law, value in others}
         alike = [f"“{law}”" for law, one in higher.items() if one is None]
-        apart = [f"under “{law}” it is higher by {percent(one)}" for law, one in higher.items() if one is not None]
+        tiny = unit(metric) == "m" and low < TINY
+        apart = [
+            f"under “{law}” it is higher by {f'{number(value - low)} m' if tiny else percent(share)}"
+            for law, value in others
+            if (share := higher[law]) is not None
+        ]
         if not apart:
             return f"{text}: the laws do not differ by more than what the tolerance of the tuning explains."
         lowest = f"{text}: in this case lowest under “{least}”"
