@@ -309,6 +309,27 @@ def test_what_stays_is_said_of_the_gains_that_were_run(paper_runs):
     assert "remains at every P that was run (0\u00a0m/s³ and 2.5\u00a0m/s³)" in shown
 
 
+def test_relatives_are_nil_and_tiny_where_their_runs_are(paper_runs, monkeypatch):
+    base = paper_runs.of(paper_runs.study.scenario("fig6-inside"))["linear"]
+
+    def pair(first: float, second: float) -> tuple[Run, Run]:
+        values = iter((first, second))
+        both = altered(replace(paper_runs, runs=(base, base)), lambda run: {"rms_tail_error": next(values)}).runs
+        return both[0], both[1]
+
+    groups = [
+        ("the law “same”", [pair(1e-15, 1e-12)]),
+        ("the law “noisy”", [pair(1e-15, 2e-5), pair(1e-15, 1e-15)]),
+        ("the law “worse”", [pair(1e-3, 3e-3)]),
+        ("the law “better”", [pair(1e-3, 0.5e-3)]),
+    ]
+    monkeypatch.setattr("brunovsky.comparison.report.verdict._against_pole_placement", lambda comparison: groups)
+    text = next(one for one in sentences(paper_runs).splitlines() if "RMS error" in one)
+    assert "changes by 200\u00a0% under “worse” and −50\u00a0% under “better”" in text
+    assert "is 2.0×10⁻⁵\u00a0m instead of 1.0×10⁻¹⁵\u00a0m under “noisy”, too little" in text
+    assert "is nil, as under pole placement (below 1 nm), under “same”" in text
+
+
 def test_a_law_as_it_ships_is_said_to_be_untuned(paper_runs):
     plain = paper_runs.study.law("linear").model_copy(update={"name": "other", "kind": "observer"})
     study = paper_runs.study.model_copy(update={"laws": (paper_runs.study.law("linear"), plain)})

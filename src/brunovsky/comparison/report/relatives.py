@@ -34,14 +34,15 @@ def _metric(name: str, laws: list[Group], where: str) -> str:
     changed: list[tuple[str, list[float], int]] = []
     unsure, nil, small, faint = [], [], [], []
     for law, every in laws:
-        pairs = [pair for pair in every if pair not in tiny(every, name)]
-        known = [change for a, b in pairs for change in [sure_change(b, a, name)] if change is not None]
-        if every and name == "rms_tail_error" and all(largest(run, name) < ROUNDING for pair in every for run in pair):
+        left = [pair for pair in every if not _is_nil(pair, name)]
+        if every and not left:
             nil.append(law)
             continue
-        if len(pairs) < len(every):
+        pairs = [pair for pair in left if pair not in tiny(left, name)]
+        known = [change for a, b in pairs for change in [sure_change(b, a, name)] if change is not None]
+        if len(pairs) < len(left):
             small.append(law)
-            faint += tiny(every, name)
+            faint += tiny(left, name)
         if known:
             changed.append((law, known, len(pairs)))
         elif pairs:
@@ -51,6 +52,10 @@ def _metric(name: str, laws: list[Group], where: str) -> str:
     parts += [f"is {instead(faint, name)} under {_listed(small)}, too little to tell a share of"] if small else []
     parts += [f"is nil, as under pole placement (below 1 nm), under {_listed(nil)}"] if nil else []
     return f"Against pole placement and {where}, {SHARE[name]} {'; '.join(parts)}." if parts else ""
+
+
+def _is_nil(pair: Pair, name: str) -> bool:
+    return name == "rms_tail_error" and all(largest(run, name) < ROUNDING for run in pair)
 
 
 def _told(found: list[tuple[str, list[float], int]]) -> str:
