@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
+from brunovsky.analysis import surface_poles
+from brunovsky.comparison.metrics import SETTLED, TAIL
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.study import Law, Scenario
 
@@ -67,6 +72,23 @@ def has_printed_gains(run: Run) -> bool:
     """Whether the gains are those that the paper prints; pole placement has its linear part alone."""
     p = run.planned.parameters
     return all(p[name] == value for name, value in PRINTED.items()) and p["P"] in (0.0, PRINTED_P)
+
+
+def decay_rates(run: Run) -> tuple[float, float]:
+    """How fast the error decays in the end, once sliding and under pole placement, from the gains, 1/s."""
+    p = run.planned.parameters
+    sliding = -float(np.max(np.real(surface_poles([p[f"C[{k}]"] for k in (1, 2, 3)]))))
+    return sliding, min(sliding, p["Q"])
+
+
+def is_long_enough(run: Run) -> bool:
+    """Whether the slowest mode takes the start's distance below 1 cm before the last quarter of the run.
+
+    Gains that are not stable have all the time they need.
+    """
+    p, rate = run.planned, min(decay_rates(run))
+    distance = math.dist([p.parameters[name] for name in ("x_start", "y_start")], p.aim)
+    return rate <= 0.0 or math.log(max(distance / SETTLED, 1.0)) <= rate * TAIL * p.duration
 
 
 def of_kind(comparison: Comparison, kinds: Sequence[str]) -> list[Law]:

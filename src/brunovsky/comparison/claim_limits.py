@@ -10,7 +10,7 @@ from brunovsky.comparison.features import features
 from brunovsky.comparison.findings_steady import HARDLY, ROUNDING
 from brunovsky.comparison.residuals import disturbed, tail_peaks, within_bounds
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import MARK, both, converged, facts_of, largest, sure_change, told
+from brunovsky.comparison.sensitivity import MARK, both, converged, facts_of, largest, settled, sure_change, told
 from brunovsky.comparison.study import Scenario
 
 AIMED = 0.1  # rad; a heading that ends this near to a wanted one counts as stabilised, and one that moves by more at
@@ -23,7 +23,9 @@ def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
     parts: list[str] = []
     rejected: list[bool] = []
     idle: list[str] = []
-    unmatched, count = False, 0
+    unknown: list[str] = []
+    remaining: set[float] = set()
+    count = 0
     for scenario, runs in cases:
         by_kind = {kinds[name]: run for name, run in runs.items()}
         linear, relay = by_kind.get("linear"), by_kind.get("sign")
@@ -35,10 +37,13 @@ def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
             count += 1
             rejected.append(largest(relay, "rms_tail_error") < max(_least(linear) / 10.0, ROUNDING))
             parts.append(f"{scenario.title}: {_residuals(linear, relay)}")
-            unmatched = unmatched or (tail_peaks(linear.planned)["d[1]"] > 0.0 and not rejected[-1])
+            if tail_peaks(linear.planned)["d[1]"] > 0.0 and not rejected[-1]:
+                remaining.update(run.planned.parameters["P"] for run in (linear, relay))
             continue
         slower = _slower(cases, scenario, {"linear": linear, "sign": relay})
-        if max((abs(one) for one in slower.values()), default=0.0) <= HARDLY:
+        if not slower:
+            unknown.append(scenario.title)
+        elif max(map(abs, slower.values())) <= HARDLY:
             idle.append(scenario.title)
         else:
             rejected.append(slower["sign"] < slower["linear"] / 2.0)
@@ -46,11 +51,16 @@ def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
     if not parts:
         return None
     text = f"{'; '.join(parts)}."
-    if unmatched:
-        text += " What enters the chains below v (unmatched) stays whatever the gain P, as long as z″ is computed from"
-        text += " the model."
+    if remaining:
+        gains = [f"{given(gain)}\u00a0m/s³" for gain in sorted(remaining)]
+        text += f" What enters the chains below v (unmatched) remains at every P that was run ({joined(gains)}), z″"
+        text += " being computed from the model."
     if idle:
         text += f" Not counted, as it tests neither law (nil error, and hardly any delay, under both): {joined(idle)}."
+    if unknown:
+        text += " Not counted, as the delay against a nominal run cannot be told (there is none, it starts within"
+        text += " 1 cm, had not settled for good, or the time is not converged with the step): "
+        text += f"{joined(unknown)}."
     dynamics = features(comparison.study) & {"lag", "delay"}
     if not dynamics:
         text += " Unmodelled dynamics are not in this study."
@@ -83,7 +93,7 @@ def _slower(cases: list[Case], scenario: Scenario, runs: dict[str, Run]) -> dict
             if other is scenario or twin is None or not is_nominal(twin) or not _differ_in_rho(run, twin):
                 continue
             one = change(run.metrics.settling_time, twin.metrics.settling_time)
-            if one is not None and converged(run, "settling_time") and converged(twin, "settling_time"):
+            if one is not None and all(settled(each) and converged(each, "settling_time") for each in (run, twin)):
                 found[kind] = one
     return found if set(found) == set(runs) else {}
 
@@ -148,7 +158,7 @@ def _turned(run: Run, twin: Run, law: str) -> Finding:
 def heading(comparison: Comparison, cases: list[Case]) -> Finding | None:
     """Whether the heading ends where it began, from the runs that settle and whose final heading is converged."""
     runs = [run for _, found in cases for run in found.values() if is_regulation(run)]
-    sure = [run for run in runs if heading_converged(run) and run.metrics.settling_time is not None]
+    sure = [run for run in runs if heading_converged(run) and settled(run)]
     if not sure:
         return None
     away = [min(abs(one) for one in _away(run)) for run in sure]
@@ -160,7 +170,9 @@ def heading(comparison: Comparison, cases: list[Case]) -> Finding | None:
     )
     if len(sure) < len(runs):
         laws = joined(sorted({f"“{run.planned.law}”" for run in runs if run not in sure}))
-        text += f"; under {laws} it does not settle, or where it ends is not converged with the step: not counted"
+        text += (
+            f"; under {laws} it had not settled for good, or where it ends is not converged with the step: not counted"
+        )
     return Finding("confirmed" if max(away) > AIMED else "contradicted", f"{text}.")
 
 
@@ -186,12 +198,13 @@ def stabilization(comparison: Comparison, cases: list[Case]) -> Finding | None:
         return None
     limits = joined(sorted({f"{given(run.planned.parameters['eta_min'])} m/s" for run in runs}))
     targets = len({tuple(run.planned.parameters[f"center[{k}]"] for k in (1, 2)) for run in runs})
-    settled = all(run.metrics.settling_time is not None for run in runs)
+    never = any(run.metrics.settling_time is None for run in runs)
+    rests = all(map(settled, runs))
     shares = [100.0 * facts_of(run).guarded_share for run in runs]
     tested = "One target was tested" if targets == 1 else f"{targets} targets were tested"
     return Finding(
-        "confirmed under conditions" if settled else "contradicted",
-        f"{tested}. The robot does {'come' if settled else 'not always come'} to rest there, but rest is the "
+        "contradicted" if never else "confirmed under conditions",
+        f"{tested}. The robot does {'come' if rests else 'not always come'} to rest there for good, but rest is the "
         f"singularity of the law: for {spread(shares, '%', 2)} of the run a guard (|η₁| ≤ {limits}) stands in for the "
         "printed law, which can neither stop nor start.",
     )

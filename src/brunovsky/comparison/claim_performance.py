@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from brunovsky.analysis import surface_poles
 from brunovsky.comparison.claim import (
     Case,
     Finding,
     Verdict,
+    decay_rates,
     has_printed_gains,
+    is_long_enough,
     is_nominal,
     is_regulation,
     of_kind,
@@ -19,7 +18,7 @@ from brunovsky.comparison.facts import given, joined, number, percent
 from brunovsky.comparison.findings_steady import HARDLY, ROUNDING, STILL
 from brunovsky.comparison.metrics import SETTLED
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import both, largest, sensitivity, spread_of, sure_change, told
+from brunovsky.comparison.sensitivity import both, largest, sensitivity, settled, spread_of, sure_change, told
 from brunovsky.comparison.study import Scenario
 
 FAST = 5.0  # m/s; faster than any laboratory robot of this kind
@@ -48,8 +47,8 @@ def convergence(comparison: Comparison, cases: list[Case]) -> Finding | None:
         text += f": nothing beyond {percent(HARDLY)}"
     text += f". {_rates(found[0][0])}"
     if left_out:
-        text += " Left out are runs that start within a threshold, and times and changes that are not converged with"
-        text += " the step."
+        text += " Left out are runs that start within a threshold or had not settled for good (within it for the last"
+        text += " quarter of the run), and times and changes that are not converged with the step."
     return Finding(verdict, text)
 
 
@@ -76,8 +75,7 @@ def _range(found: list[float]) -> str:
 def _rates(run: Run) -> str:
     """The asymptotic rates with and without sliding, from the gains."""
     p = run.planned.parameters
-    sliding = -float(np.max(np.real(surface_poles([p[f"C[{k}]"] for k in (1, 2, 3)]))))
-    linear = min(sliding, p["Q"])
+    sliding, linear = decay_rates(run)
     same = abs(sliding - linear) <= 1e-9 * abs(sliding)
     told_ = f"once sliding the error decays at {given(sliding)} 1/s (poles of S = 0), under pole placement at "
     rates = f"{told_}{given(linear)} 1/s (the slower of these and Q = {given(p['Q'])} 1/s)"
@@ -87,7 +85,9 @@ def _rates(run: Run) -> str:
 def errors(comparison: Comparison, cases: list[Case]) -> Finding | None:
     """Whether steady-state errors are small without disturbance."""
     found = [
-        (a, b) for _, a, b in pairs(comparison, cases, ["saturation", "sign"]) if is_nominal(a) and not is_regulation(a)
+        (a, b)
+        for _, a, b in pairs(comparison, cases, ["saturation", "sign"])
+        if is_nominal(a) and not is_regulation(a) and is_long_enough(a)
     ]
     if not found:
         return None
@@ -167,11 +167,14 @@ def smoothness(comparison: Comparison, cases: list[Case]) -> Finding | None:
     figures = [(s, run) for s, runs in cases if s.figure is not None for run in runs.values()]
     if not figures:
         return None
-    settled = all(run.metrics.settling_time is not None for _, run in figures)
+    open_ = [run for _, run in figures if not settled(run)]
+    late = [run.planned.name for run in open_ if run.metrics.settling_time is not None]
     violent = any(_is_violent(run) for _, run in figures)
     linear = {law.name for law in of_kind(comparison, ["linear"])}
-    text = ("Stabilisation and convergence are seen: each run of the figures settles to 1 cm. " if settled else
-            "Not each run of the figures settles to 1 cm. ") + _extremes(figures)  # fmt: skip
+    text = "Not each" if open_ else "Stabilisation and convergence are seen: each"
+    text += " run of the figures settles to 1 cm"
+    text += f" ({joined(late)} had not settled for good)" if late else ""
+    text += f". {_extremes(figures)}"
     if violent:
         text += f": far beyond a laboratory robot (taken as at most {given(FAST)} m/s and {given(VIOLENT)} rad/s²)"
         text += (
@@ -180,10 +183,10 @@ def smoothness(comparison: Comparison, cases: list[Case]) -> Finding | None:
             else ""
         )
         text += ". On such a robot, as printed, neither smooth nor applicable"
-    if settled and not violent:
+    if open_:
+        return Finding("contradicted" if len(late) < len(open_) else "confirmed under conditions", f"{text}.")
+    if not violent:
         return Finding("confirmed", f"{text}.")
-    if not settled:
-        return Finding("contradicted", f"{text}.")
     return Finding("confirmed under conditions", f"{text}. It holds for convergence, and for a robot without limits.")
 
 

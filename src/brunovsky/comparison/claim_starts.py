@@ -2,50 +2,69 @@
 
 from __future__ import annotations
 
-from brunovsky.comparison.claim import Case, Finding, Verdict, is_nominal, of_kind, pairs
+from collections.abc import Sequence
+
+from brunovsky.comparison.claim import Case, Finding, Verdict, is_long_enough, is_nominal, of_kind, pairs
 from brunovsky.comparison.facts import percent, spread
-from brunovsky.comparison.features import scenario_features
+from brunovsky.comparison.features import run_features
 from brunovsky.comparison.findings_steady import HARDLY
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import sure_change
+from brunovsky.comparison.sensitivity import is_tiny, settled, sure_change, told
 
+_SLIDING = ("saturation", "sign")
 _START = ("x_start", "y_start", "theta_start", "eta_start[1]", "eta_start[2]", "u_start[1]")
 
 
 def starts(comparison: Comparison, cases: list[Case]) -> Finding | None:
-    """Whether the error settles from every start that was run, under sliding mode and under pole placement."""
-    sliding = _nominal(comparison, cases, ["saturation", "sign"])
+    """Whether the error settles from every start that was run, under sliding mode and under pole placement.
+
+    Only runs are judged whose error exceeds the threshold at all, and that are long enough to settle.
+    """
+    nominal = _nominal(comparison, cases, _SLIDING)
+    sliding = [run for run in nominal if _can_be_judged(run)]
     count = len({_start(run) for run in sliding})
     failed = _failed(comparison)
-    if count + failed < 2 or not sliding:
+    good = [run for run in sliding if settled(run)]
+    never = [run for run in sliding if run.metrics.settling_time is None]
+    late = len(sliding) - len(good) - len(never)
+    if count + failed < 2 or not sliding or late == len(sliding):
         return None
-    settled = [run for run in sliding if run.metrics.settling_time is not None]
-    times = [run.metrics.settling_time or 0.0 for run in settled]
-    text = f"{len(settled)} of {len(sliding) + failed} undisturbed runs under sliding mode, from {count} starts, "
-    text += f"settle to 1 cm, within {spread(times, 's')}" if settled else "settle to 1 cm"
-    linear = _nominal(comparison, cases, ["linear"])
+    times = [run.metrics.settling_time or 0.0 for run in good]
+    text = f"{len(good)} of {len(sliding) + failed} undisturbed runs under sliding mode, from {count} starts, "
+    text += f"settle to 1 cm, within {spread(times, 's')}" if good else "settle to 1 cm"
+    text += f"; {late} of the others had not settled for good (within 1 cm for the last quarter)" if late else ""
+    linear = [run for run in _nominal(comparison, cases, ["linear"]) if _can_be_judged(run)]
     if linear:
-        as_well = sum(run.metrics.settling_time is not None for run in linear)
+        as_well = sum(map(settled, linear))
         text += f"; under pole placement {as_well} of {len(linear)} do, so that this is no merit of the switching term"
         text += "" if as_well == len(linear) else " alone"
-    complete = len(settled) == len(sliding) + failed
+    text += "."
+    left = len(nominal) - len(sliding)
+    if left:
+        text += (
+            f" {left} more under sliding mode cannot be judged: they never exceed 1 cm, or are too short for the gains."
+        )
+    complete = len(good) == len(sliding) + failed
     lost = sum(trial.failure is not None for one in comparison.protocols for trial in getattr(one.result, "trials", ()))
-    word: Verdict = (
-        "confirmed" if complete and not lost else "confirmed under conditions" if settled else "contradicted"
-    )
+    word: Verdict = "confirmed" if complete and not lost else "confirmed under conditions" if good else "contradicted"
     if not comparison.protocols:
-        return Finding(word, f"{text}. Other starts were not run.")
-    return Finding(word, f"{text}. The protocols are not counted here; {lost or 'none'} of their runs failed.")
+        return Finding(word, f"{text} Other starts were not run.")
+    return Finding(word, f"{text} The protocols are not counted here; {lost or 'none'} of their runs failed.")
 
 
-def _nominal(comparison: Comparison, cases: list[Case], kinds: list[str]) -> list[Run]:
+def _can_be_judged(run: Run) -> bool:
+    """Whether there is an error to speak of, and time for it to settle."""
+    return run.metrics.settling_time != 0.0 and is_long_enough(run)
+
+
+def _nominal(comparison: Comparison, cases: list[Case], kinds: Sequence[str]) -> list[Run]:
     names = {law.name for law in of_kind(comparison, kinds)}
     return [run for _, runs in cases for name, run in runs.items() if name in names and is_nominal(run)]
 
 
 def _failed(comparison: Comparison) -> int:
     """Undisturbed runs under sliding mode that did not reach their end."""
-    names = {law.name for law in of_kind(comparison, ["saturation", "sign"])}
+    names = {law.name for law in of_kind(comparison, _SLIDING)}
     return sum(not run.ok and run.planned.law in names and is_nominal(run) for run in comparison.runs)
 
 
@@ -54,21 +73,41 @@ def _start(run: Run) -> tuple[float, ...]:
 
 
 def noise(comparison: Comparison, cases: list[Case]) -> Finding | None:
-    """What measurement noise leaves under sliding mode, against pole placement."""
-    noisy = [one for one in cases if "noise" in scenario_features(comparison.study, one[0].name)]
-    changes = [
-        change
-        for _, a, b in pairs(comparison, noisy, ["saturation", "sign"])
-        for change in [sure_change(b, a, "rms_tail_error")]
-        if change is not None
-    ]
-    if not changes:
+    """What measurement noise leaves under sliding mode, against pole placement, scenario by scenario.
+
+    Only scenarios with noise and nothing else decide: where a disturbance acts too, less error need not be the noise's.
+    """
+    alone: list[float | None] = []
+    parts: list[str] = []
+    for one in cases:
+        noisy = [(a, b) for _, a, b in pairs(comparison, [one], _SLIDING) if "noise" in run_features(a.planned)]
+        found = [(a, b, sure_change(b, a, "rms_tail_error")) for a, b in noisy]
+        if not any(change is not None for _, _, change in found):
+            continue
+        pure = all(run_features(a.planned) == {"noise"} for a, _, _ in found)
+        alone += [change for _, _, change in found] if pure else []
+        aside = "" if pure else " (not counted, as more than noise acts)"
+        parts.append(f"{one[0].title}{aside}: {', '.join(_against(*pair) for pair in found)}")
+    if not parts:
         return None
-    worst, best = max(changes), min(changes)
-    text = (
-        f"With measurement noise the RMS error of the last quarter changes by {percent(best)} to {percent(worst)} "
-        f"against pole placement ({len(changes)} pairs of runs)."
-    )
-    if worst <= HARDLY:
-        return Finding("confirmed", text)
-    return Finding("confirmed under conditions" if best <= HARDLY else "contradicted", text)
+    text = f"RMS error of the last quarter with measurement noise, against pole placement. {'; '.join(parts)}."
+    known = [change for change in alone if change is not None]
+    if not known or min(known) <= HARDLY < max(known):
+        return Finding("confirmed under conditions", text)
+    if min(known) > HARDLY:
+        return Finding("contradicted", text)
+    return Finding("confirmed" if len(known) == len(alone) else "confirmed under conditions", text)
+
+
+def _against(linear: Run, other: Run, change: float | None) -> str:
+    """Whether the error under another law is less than under pole placement, with both numbers."""
+    name, law = "rms_tail_error", f"under “{other.planned.law}”"
+    numbers = f"{told(other, name)} instead of {told(linear, name)} m"
+    if change is None:
+        return f"not told {law}, as the step decides ({numbers})"
+    word = "better" if change < 0.0 else "worse"
+    if is_tiny(linear, name):
+        return f"{'level' if abs(change) <= HARDLY else word} {law} ({numbers})"
+    if abs(change) <= HARDLY:
+        return f"level {law} ({numbers})"
+    return f"{word} {law} ({percent(change)}: {numbers})"

@@ -16,6 +16,7 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 CONVERGED = 0.01  # relative change at half the step up to which a number counts as converged
 HARDLY = 0.05  # relative difference up to which laws hardly differ, and a metric hardly depends on a parameter
+TINY = 1e-6  # m; an error below which no share of it is told, but the error itself
 FINER = {"settling_1mm": 1e-3, "settling_100um": 1e-4}  # m; settling beyond the 1 cm of the metrics
 
 

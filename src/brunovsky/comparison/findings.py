@@ -8,7 +8,7 @@ from brunovsky.comparison.claim_limits import heading_converged
 from brunovsky.comparison.facts import given, joined, number, percent, seconds, spread, wrapped
 from brunovsky.comparison.findings_steady import HARDLY, ROUNDING, Good, chatter, steady_state
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import MARK, both, converged, facts_of, spread_of, sure_change, told
+from brunovsky.comparison.sensitivity import MARK, both, converged, facts_of, settled, spread_of, sure_change, told
 from brunovsky.comparison.study import Law, Scenario
 
 FINER = {"settling_1mm": "1 mm", "settling_100um": "0.1 mm"}
@@ -46,11 +46,18 @@ def convergence(good: Good) -> str:
     times = {law.name: run.metrics.settling_time for law, run, _ in good}
     if all(one == 0.0 for one in times.values()):
         return "The position error never exceeds 1 cm: there is no convergence to compare."
-    kept = [f"{seconds(one)} ({name})" for name, one in times.items() if one is not None]
-    never = [f"“{name}”" for name, one in times.items() if one is None]
-    text = f"The position error stays below 1 cm after {joined(kept)}." if kept else ""
-    text += f"{' ' if kept else ''}Under {joined(never)} it exceeds 1 cm to the end." if never else ""
-    return " ".join([text, *_against_linear(good)])
+    for_good = {law.name for law, run, _ in good if settled(run)}
+    known = {name: f"{seconds(one)} ({name})" for name, one in times.items() if one is not None}
+    kept = [one for name, one in known.items() if name in for_good]
+    late = [one for name, one in known.items() if name not in for_good]
+    never = [f"“{name}”" for name in times if name not in known]
+    sentences = [f"The position error stays below 1 cm after {joined(kept)}."] if kept else []
+    if late:
+        subject = "It" if kept else "The position error"
+        when = f"at {joined(late)}, in the last quarter of the run"
+        sentences.append(f"{subject} last exceeds 1 cm {when}: it had not settled for good.")
+    sentences += [f"Under {joined(never)} it exceeds 1 cm to the end."] if never else []
+    return " ".join([*sentences, *_against_linear(good)])
 
 
 def _against_linear(good: Good) -> list[str]:
@@ -69,11 +76,13 @@ def _against_linear(good: Good) -> list[str]:
     finer = [f"the time to {size} by {_changes(known[name])}" for name, size in FINER.items() if known[name]]
     unknown = [size for name, size in FINER.items() if _unsure(base, others, name)]
     text += f" It changes {joined(finer)}." if finer else ""
-    text += (
-        f" The time to {joined(unknown)} is not converged with the step under each law, and not compared."
-        if unknown
-        else ""
-    )
+    if unknown:
+        text += f" The time to {joined(unknown)} is not converged with the step under each law, and not compared."
+    late = [size for name, size in FINER.items() if _late(base, others, name)]
+    if late:
+        text += (
+            f" To {joined(late)} the error had not settled for good, by the last quarter of the run, under each law."
+        )
     return [text]
 
 
@@ -85,6 +94,10 @@ def _known(base: Run, others: list[Run], name: str) -> list[float]:
 
 def _unsure(base: Run, others: list[Run], name: str) -> bool:
     return any(both(run, name)[0] is not None and not converged(run, name) for run in (base, *others))
+
+
+def _late(base: Run, others: list[Run], name: str) -> bool:
+    return any(both(run, name)[0] is not None and not settled(run, name) for run in (base, *others))
 
 
 def _changes(found: list[float]) -> str:
@@ -132,7 +145,7 @@ def rest(good: Good) -> str:
         counted = (
             given(max(reversals)) if len(reversals) == 1 else f"{given(min(reversals))} to {given(max(reversals))}"
         )
-        text += f"; the velocity changes sign {counted} times before the error has settled"
+        text += f"; the velocity changes sign {counted} times before the error last exceeds 1 cm"
     return (
         f"{text}. What u₂ does there belongs to the guard, not to the printed law, and the smallest speed and the "
         "total variation of u₂ in the table are to be read so."

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing
 from brunovsky.comparison.chatter_section import chatter_section
+from brunovsky.comparison.facts import number
 from brunovsky.comparison.figures import worst_paths_figure
 from brunovsky.comparison.protocol_runs import Path, ProtocolRun, Result
 from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
@@ -29,6 +30,7 @@ from brunovsky.comparison.protocols import (
     swept_figure,
 )
 from brunovsky.comparison.run import Comparison
+from brunovsky.comparison.symbols import symbol
 
 _FIGURES: Mapping[type, Callable[..., Figure]] = {
     Swept: swept_figure,
@@ -39,6 +41,9 @@ _FIGURES: Mapping[type, Callable[..., Figure]] = {
     MeasuredLoopMargins: margins_figure,
     Coupling: coupling_figure,
 }
+
+
+_SAME = "the two positions are bit for bit the same"
 
 
 def protocol_sections(comparison: Comparison, *, drawn: bool = True) -> tuple[ProtocolSection, ...]:
@@ -124,8 +129,7 @@ def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
     if isinstance(result, MonteCarlo | Map):
         return f"“{scenario}”: {result.headline()}"
     if isinstance(result, EqualEffort):
-        compared = [one for one in findings if one.startswith("At equal effort")]
-        findings = [] if result.idle else compared or findings
+        findings = [result.headline()] if result.headline() else []
     if not findings:
         return ""
     if isinstance(result, Pareto):  # who dominates whom; the hypervolume that follows it ranks nothing
@@ -138,7 +142,7 @@ def _title(result: Result) -> str:
     title = result.explanation.title
     if isinstance(result, Map):
         return f"{title} over {result.keys}"
-    return title.replace("one parameter", result.knob) if isinstance(result, Swept) else title
+    return title.replace("one parameter", symbol(result.knob)) if isinstance(result, Swept) else title
 
 
 def _agreement(one: ProtocolRun) -> list[str]:
@@ -148,10 +152,8 @@ def _agreement(one: ProtocolRun) -> list[str]:
         return []
     differing = [found.run for found in one.agreement if not found.agrees]
     apart = "" if not differing else f"; {len(differing)} of them beyond what counts as agreement"
-    return [
-        f"The native simulation repeated {len(one.agreement)} of the trials; the two positions are at most "
-        f"{max(known):.2g} m apart{apart}."
-    ]
+    far = f"the two positions are at most {number(max(known), 2)} m apart" if max(known) else _SAME
+    return [f"The native simulation repeated {len(one.agreement)} of the trials; {far}{apart}."]
 
 
 def _worst_section(one: ProtocolRun, index: int, titles: Mapping[str, str]) -> ProtocolSection:

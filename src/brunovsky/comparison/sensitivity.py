@@ -5,11 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from brunovsky.comparison.facts import CONVERGED, Facts, change, number
+from brunovsky.comparison.definitions import definition
+from brunovsky.comparison.facts import CONVERGED, TINY, Facts, change, number
+from brunovsky.comparison.metrics import TAIL
 from brunovsky.comparison.run import Run
 
 ALIKE = 0.1  # relative change at half the step up to which a difference between two laws is told
 MARK = "≈\u00a0"  # before a number that is not
+
+
+def step_note(engine: str) -> str:
+    """What the mark before a number means, for the engine that made it."""
+    share = f"{100 * CONVERGED:g}\u00a0%"
+    if engine == "ssp":
+        return (
+            "Each run was repeated natively, as one system and at half the step: a number marked "
+            f"{MARK.strip()} differs by more than {share} there, by the error of the coupling, the step or both, so "
+            "that it is no property of the law alone, and no law is ranked by it."
+        )
+    return (
+        f"Each run was repeated natively at half the step and nothing else changed: a number marked {MARK.strip()} "
+        f"changes by more than {share}, so that it is a property of the step too, not of the law alone, and no law is "
+        "ranked by it."
+    )
 
 
 def facts_of(run: Run) -> Facts:
@@ -53,17 +71,35 @@ def converged(run: Run, *names: str) -> bool:
     return run.half_step is not None and run.half_step.facts is not None
 
 
+def settled(run: Run, name: str = "settling_time") -> bool:
+    """Whether the error was within the threshold of a settling time for at least the last quarter of the run.
+
+    An error that swings or is noisy about the threshold, or a run that is cut short, has its last crossing later.
+    """
+    value = both(run, name)[0]
+    return value is not None and value <= TAIL * run.planned.duration
+
+
 def sure_change(run: Run, base: Run, name: str) -> float | None:
     """Relative change of a metric or fact from one run to another; None where the step decides on it.
 
-    Both numbers must be converged, and their relative change must be the same within a tenth at half the step.
+    Both numbers must be converged, and their relative change must be the same within a tenth at half the step; of a
+    settling time both runs must have settled for good.
     """
+    if name.startswith("settling") and not (settled(run, name) and settled(base, name)):
+        return None
     if not converged(run, name) or not converged(base, name):
         return None
     value, half = (change(a, b) for a, b in zip(both(run, name), both(base, name), strict=True))
     if value is None or half is None or abs(half - value) > ALIKE * abs(value):
         return None
     return value
+
+
+def is_tiny(run: Run, name: str) -> bool:
+    """Whether a metric is a length so small that a share of it says nothing."""
+    value, known = both(run, name)[0], definition(name)
+    return value is not None and known is not None and known.unit == "m" and value < TINY
 
 
 def largest(run: Run, name: str) -> float:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from brunovsky.comparison.claims import claims, examined
-from brunovsky.comparison.facts import CONVERGED, number
+from brunovsky.comparison.facts import number
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
 from brunovsky.comparison.protocol_sections import protocol_sections
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
-from brunovsky.comparison.sensitivity import MARK
+from brunovsky.comparison.sensitivity import step_note
 from brunovsky.comparison.tables import conditions, footnote, metric_rows
 
 LONGEST = 100  # rows of a table that is kept
@@ -45,8 +45,7 @@ def summary_markdown(comparison: Comparison) -> str:
         f"Written from the runs of `{study.name}.toml` (engine {comparison.engine}, step {study.step_size_s * 1e3:g} "
         "ms). The report of a run has the figures, the poles, all metrics and the limits of the study.",
         "",
-        f"All numbers are those of this step. Each run was repeated natively at half of it; a number marked "
-        f"{MARK.strip()} changes by more than {100 * CONVERGED:g} %.",
+        f"All numbers are those of this step. {step_note(comparison.engine)}",
     ]
     found, protocols = claims(comparison), protocol_sections(comparison, drawn=False)
     lines += ["", "## Verdict", "", *(f"- {one}" for one in verdict(comparison, found, protocols))]

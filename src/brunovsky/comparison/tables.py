@@ -12,7 +12,7 @@ from brunovsky.comparison.definitions import METRIC_DEFINITIONS, Definition
 from brunovsky.comparison.facts import CONVERGED, given, joined, number, percent
 from brunovsky.comparison.linear_part import LinearLoop
 from brunovsky.comparison.run import Run
-from brunovsky.comparison.sensitivity import MARK, both, converged, sensitivity, told
+from brunovsky.comparison.sensitivity import MARK, both, converged, is_tiny, sensitivity, told
 
 MARGIN_ROWS = (
     ("gain_lower", "lower gain margin (factor)", 1.0),
@@ -81,6 +81,8 @@ def footnote(runs: list[Run], names: Sequence[str] = ()) -> str:
 
 
 def _change(run: Run, name: str) -> str:
+    if is_tiny(run, name):
+        return f"{number((both(run, name)[1] or 0.0) - (both(run, name)[0] or 0.0), 2)} m"
     found = sensitivity(run, name)
     return "an undefined share" if found is None else percent(found)
 

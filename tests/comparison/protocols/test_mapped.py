@@ -35,8 +35,8 @@ def test_sentences_tell_extremes_their_places_and_what_one_key_does():
     found = mapped(evaluate, LAWS, X, Y, metrics=["iae", "settling_time"])
     told = "\n".join(found.findings())
     assert "Under “b” 1 of 6 runs failed; the first: it fell." in told
-    assert "0.500\u00a0m s at least (theta_start_rad = 0, eta_start_1_m_per_s = 0.5)" in told
-    assert "theta_start_rad alone changes it by a factor of 2.0 to 2.0, row by row" in told
+    assert "0.500\u00a0m s at least (θ(0) = 0\u00a0rad, η₁(0) = 0.5\u00a0m/s)" in told
+    assert "θ(0) alone changes it by a factor of 2.0 to 2.0, row by row" in told
     assert "in 2 of 6 runs it is undefined, as it is beyond the end of the run" in told
     assert "By the IAE “b” is lower than “a” in 0 and higher in 5 of 5 points" in told
     assert "the IAE by a factor of 8.0" in found.headline()
@@ -53,7 +53,7 @@ def test_what_the_step_decides_is_in_no_sentence():
     rows = found.summary_rows()
     assert (rows[0]["largest"], rows[0]["there"], rows[0]["not converged"]) == (
         4.0,
-        "theta_start_rad = −1, eta_start_1_m_per_s = 2",
+        "θ(0) = −1\u00a0rad, η₁(0) = 2\u00a0m/s",
         2,
     )
 

@@ -120,6 +120,24 @@ def test_equal_effort_tells_the_order_of_the_numbers_and_flips_with_them():
     assert drawn(equal_effort_figure(found("layer"))).startswith("<svg")
 
 
+def test_the_headline_of_many_laws_tells_the_best_and_the_worst():
+    many = [f"law{k}" for k in range(6)]
+    iae = dict(zip(many, (3.0, 1.0, 1.001, 2.0, 5.0, 4.0), strict=True))
+    found = equal_effort(
+        toy(dict.fromkeys(many, 1.0) | {"law0": 2.0}, iae=lambda law, _: iae[law]),
+        {law: {} for law in many},
+        {law: Knob("P", 0.01, 100.0) for law in many},
+        "rms_u2",
+        6.0,
+        metrics=["iae"],
+    )
+    text = found.headline()
+    assert "of 6 laws, lowest under “law1” (1.00\u00a0m s), from which “law2” is not told apart" in text
+    assert "highest under “law4” (5.00\u00a0m s); the table has each." in text
+    assert "law3" not in text and "law3" in told(found)
+    assert found.tunings[0].value != found.tunings[1].value and told(found) != text
+
+
 def test_what_the_tolerance_of_the_tuning_explains_is_not_told():
     near = equal_effort(
         toy(SLOPES, iae=lambda law, P: 1.0 + 0.005 * (law == "relay")), LAWS, KNOBS, "rms_u2", 6.0, metrics=["iae"]

@@ -2,15 +2,23 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
+from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison import Comparison, Run, Status
 from brunovsky.comparison.claims import claims
+from brunovsky.comparison.facts import number
 from brunovsky.comparison.features import features
+from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.metrics import Metrics
+from brunovsky.comparison.protocol_sections import protocol_sections
+from brunovsky.comparison.protocols import swept
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.verdict import verdict
+from brunovsky.comparison.sensitivity import step_note
+from brunovsky.comparison.study.loops import Loop
 
 
 def altered(
@@ -104,6 +112,49 @@ def test_claims_flip_with_their_numbers(paper_runs, values, part, expected):
     assert of(altered(paper_runs, lambda run: values), part).verdict == expected
 
 
+@pytest.mark.parametrize(
+    ("share", "expected"),
+    [
+        (0.0, ("not examined", "confirmed", "confirmed under conditions", "not examined")),
+        (0.74, ("contradicted", "confirmed", "confirmed under conditions", "confirmed")),
+        (0.76, ("not examined", "confirmed under conditions", "confirmed under conditions", "not examined")),
+        (None, ("not examined", "contradicted", "contradicted", "contradicted")),
+    ],
+)
+def test_what_crosses_the_threshold_in_the_last_quarter_has_not_settled(paper_runs, share, expected):
+    def change(run):
+        found = dict.fromkeys(TIMES, None if share is None else share * run.planned.duration)
+        return found | {"peak_speed": 1.0, "peak_yaw_acceleration": 1.0}
+
+    made = altered(paper_runs, change)
+    parts = ("its rate", "control smoothness", "to any point", "strength of convergence")
+    every = claims(made)
+    found = [next(one for one in every if part in one.quote) for part in parts]
+    assert tuple(one.verdict for one in found) == expected
+    assert ("had not settled for good" in found[1].shown) == (share == 0.76)
+    assert ("neither had settled for good" in "\n".join(verdict(made, every))) == (share in (0.76, None))
+    told = scenario_findings(made, made.study.scenarios[0])[0]
+    assert ("had not settled for good" in told) == (share == 0.76)
+
+
+def test_one_run_that_swings_about_the_threshold_takes_away_what_is_said_of_all(paper_runs):
+    one = "fig6-inside/sign"
+    late = {name: 0.9 * run.planned.duration for run in paper_runs.runs if run.planned.name == one for name in TIMES}
+    made = altered(paper_runs, lambda run: late if run.planned.name == one else dict.fromkeys(TIMES, 1.0))
+    starts = of(made, "strength of convergence")
+    assert starts.verdict == "confirmed under conditions"
+    assert "1 of the others had not settled for good" in starts.shown
+    assert "pole placement settles for good, and it had not" in sentences(made)
+    assert "(fig6-inside/sign had not settled for good)" in of(made, "control smoothness").shown
+
+
+@pytest.mark.parametrize(("duration", "expected"), [(20.0, "confirmed"), (0.5, "not examined")])
+def test_starts_are_not_judged_in_runs_that_are_too_short_to_settle(paper_runs, duration, expected):
+    made = altered(paper_runs, lambda run: {"settling_time": 0.1})
+    runs = tuple(replace(run, planned=replace(run.planned, duration=duration)) for run in made.runs)
+    assert of(replace(made, runs=runs), "strength of convergence").verdict == expected
+
+
 @pytest.mark.parametrize(("u1", "u2", "expected"), [(1.1, 1.1, "confirmed"), (1.1, 9.0, "confirmed under conditions"),
                                                     (9.0, 9.0, "contradicted")])  # fmt: skip
 def test_chattering(paper_runs, u1, u2, expected):
@@ -122,6 +173,52 @@ def test_robustness_is_never_confirmed_without_conditions_where_dynamics_are_mis
     made = altered(paper_runs, scaled("rms_tail_error", factor, 1e-3))
     made = altered(made, scaled("settling_time", 1.0))
     assert of(made, "robustness").verdict == expected
+
+
+NOISE = FrozenMapping({"n[1]": 1e-3})
+
+
+def noisy(comparison: Comparison, scenarios: tuple[str, ...], factors: Mapping[str, float]) -> Comparison:
+    """Noise in some scenarios, where the last error is that of pole placement times a factor of each run."""
+    made = altered(comparison, lambda run: {"rms_tail_error": 1e-3 * factors.get(run.planned.name, 1.0)})
+    return replace(
+        made,
+        runs=tuple(
+            replace(run, planned=replace(run.planned, noise=NOISE)) if run.planned.scenario in scenarios else run
+            for run in made.runs
+        ),
+    )
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside", "expected"),
+    [
+        (1.0, 1.04, "confirmed"),
+        (0.5, 1.0, "confirmed"),
+        (0.5, 1.5, "confirmed under conditions"),
+        (1.2, 1.5, "contradicted"),
+    ],
+)
+def test_the_claim_on_noise_tells_each_scenario(paper_runs, inside, outside, expected):
+    scenarios = ("fig6-inside", "fig6-outside")
+    factors = {"fig6-inside/sign": inside, "fig6-outside/sign": outside}
+    factors |= {name.replace("sign", "saturation"): one for name, one in factors.items()}
+    found = of(noisy(paper_runs, scenarios, factors), "as to noise")
+    assert found.verdict == expected
+    word = {0.5: "better", 1.0: "level", 1.04: "level", 1.2: "worse", 1.5: "worse"}
+    for scenario, one in zip(scenarios, (inside, outside), strict=True):
+        title = paper_runs.study.scenario(scenario).title
+        assert f"{title}: {word[one]} under “saturation”" in found.shown
+    assert f"{number(1e-3 * inside)} instead of 0.00100 m" in found.shown
+
+
+def test_less_error_where_more_than_noise_acts_confirms_no_robustness_against_noise(paper_runs):
+    disturbed = next(run.planned.scenario for run in paper_runs.runs if any(run.planned.inputs.values()))
+    better = {f"{disturbed}/sign": 0.5, f"{disturbed}/saturation": 0.5}
+    found = of(noisy(paper_runs, (disturbed,), better), "as to noise")
+    assert found.verdict == "confirmed under conditions" and "not counted, as more than noise acts" in found.shown
+    worse = {"fig6-inside/sign": 2.0, "fig6-inside/saturation": 2.0}
+    assert of(noisy(paper_runs, (disturbed, "fig6-inside"), better | worse), "as to noise").verdict == "contradicted"
 
 
 def test_a_failed_run_is_told_first_and_confirms_nothing_without_conditions(paper_runs):
@@ -149,6 +246,103 @@ def test_the_verdict_counts_both_directions_and_what_is_not_converged(paper_runs
     assert "in some runs lowers and in others raises the settling time" in sentences(altered(paper_runs, change))
     text = sentences(altered(paper_runs, scaled("rms_tail_error", 0.5, 1e-3), factor=2.0))
     assert "cannot be ranked by the RMS error of the last quarter" in text and "lowers the RMS" not in text
+
+
+@pytest.mark.parametrize("count", [4, 6])
+def test_many_relatives_are_told_by_the_best_and_the_worst(paper_runs, monkeypatch, count):
+    made = altered(paper_runs, scaled("settling_time", 0.5)).of(paper_runs.study.scenario("fig6-inside"))
+    base, sign = made["linear"], made["sign"]
+    factors = (0.5, 0.9, 1.2, 3.0, 1.1, 1.3)[:count]
+    groups = []
+    for index, factor in enumerate(factors):
+        one = altered(replace(paper_runs, runs=(sign,)), lambda run, f=factor: {"settling_time": f}).runs[0]
+        groups.append((f"the law “law{index}”", [(base, one)]))
+    module = "brunovsky.comparison.report.verdict._against_pole_placement"
+    monkeypatch.setattr(module, lambda comparison: groups)
+    text = sentences(paper_runs)
+    if count == 4:
+        assert "settling time to 1 cm changes by −50\u00a0% under “law0”, −10\u00a0% under “law1”, 20" in text
+    else:
+        best, worst = "−50\u00a0% at best, under “law0”,", "200\u00a0% at worst, under “law3”; the tables have each"
+        assert f"changes under 6 laws (6 of 6 pairs of runs) by {best} and {worst}" in text
+        assert "law1" not in next(one for one in text.splitlines() if "settling time to 1 cm" in one)
+
+
+@pytest.mark.parametrize(("base", "factor"), [(1e-7, 1e3), (1e-3, 1.5)])
+def test_no_share_is_told_of_an_error_below_a_micrometre(paper_runs, base, factor):
+    text = sentences(altered(paper_runs, scaled("rms_tail_error", factor, base)))
+    assert ("at 1.00×10⁻⁴\u00a0m instead of 1.00×10⁻⁷\u00a0m" in text.replace("1.0×", "1.00×")) == (base < 1e-6)
+    assert ("raises the RMS error of the last quarter (50\u00a0%" in text) == (base > 1e-6)
+
+
+def test_one_pair_of_runs_is_told_as_one(paper_runs):
+    runs = tuple(run for run in paper_runs.runs if run.planned.name in ("fig6-inside/linear", "fig6-inside/sign"))
+    study = paper_runs.study.model_copy(update={"laws": tuple(paper_runs.study.law(n) for n in ("linear", "sign"))})
+    study = study.model_copy(update={"scenarios": (paper_runs.study.scenario("fig6-inside"),)})
+    made = replace(paper_runs, study=study, runs=runs)
+    assert "Its price: in the one pair of runs u₂ varies more" in sentences(made)
+    calm = altered(made, lambda run: {"total_variation_u2": 1.0})
+    assert "than pole placement in the one pair of runs." in sentences(calm)
+
+
+def test_the_mark_is_explained_for_the_engine_that_ran():
+    assert "nothing else changed" in step_note("native") and step_note("fmpy") == step_note("native")
+    assert "nothing else changed" not in step_note("ssp")
+    assert "by the error of the coupling, the step or both" in step_note("ssp")
+
+
+@pytest.mark.parametrize(
+    ("apart", "words"), [(0.0, "are bit for bit the same."), (2.5e-13, "at most 2.5×10⁻¹³ m apart.")]
+)
+def test_trials_that_agree_exactly_are_said_to_be_the_same(paper_runs, apart, words):
+    trials = swept(lambda *_: {"iae": 1.0}, {"linear": {}}, "P_m_per_s3", (0.0, 1.0), metrics=["iae"])
+    agreed = SimpleNamespace(run="a", position=apart, agrees=True)
+    table = SimpleNamespace(scenario="fig6-inside")
+    protocol = SimpleNamespace(table=table, result=trials, agreement=(agreed,), worst=())
+    (section,) = protocol_sections(replace(paper_runs, protocols=(protocol,)), drawn=False)
+    assert section.findings[-1].endswith(words)
+    assert section.title.startswith("Same linear part, P swept")
+
+
+def test_what_stays_is_said_of_the_gains_that_were_run(paper_runs):
+    shown = of(paper_runs, "robustness").shown
+    assert "remains at every P that was run (0\u00a0m/s³ and 2.5\u00a0m/s³)" in shown
+
+
+def test_relatives_are_nil_and_tiny_where_their_runs_are(paper_runs, monkeypatch):
+    base = paper_runs.of(paper_runs.study.scenario("fig6-inside"))["linear"]
+
+    def pair(first: float, second: float) -> tuple[Run, Run]:
+        values = iter((first, second))
+        both = altered(replace(paper_runs, runs=(base, base)), lambda run: {"rms_tail_error": next(values)}).runs
+        return both[0], both[1]
+
+    groups = [
+        ("the law “same”", [pair(1e-15, 1e-12)]),
+        ("the law “noisy”", [pair(1e-15, 2e-5), pair(1e-15, 1e-15)]),
+        ("the law “worse”", [pair(1e-3, 3e-3)]),
+        ("the law “better”", [pair(1e-3, 0.5e-3)]),
+    ]
+    monkeypatch.setattr("brunovsky.comparison.report.verdict._against_pole_placement", lambda comparison: groups)
+    text = next(one for one in sentences(paper_runs).splitlines() if "RMS error" in one)
+    assert "changes by 200\u00a0% under “worse” and −50\u00a0% under “better”" in text
+    assert "is 2.0×10⁻⁵\u00a0m instead of 1.0×10⁻¹⁵\u00a0m under “noisy”, too little" in text
+    assert "is nil, as under pole placement (below 1 nm), under “same”" in text
+
+
+def test_a_law_as_it_ships_is_said_to_be_untuned(paper_runs):
+    plain = paper_runs.study.law("linear").model_copy(update={"name": "other", "kind": "observer"})
+    study = paper_runs.study.model_copy(update={"laws": (paper_runs.study.law("linear"), plain)})
+    loop = Loop("disturbance_observer")
+
+    def text(given: frozenset[str]) -> str:
+        runs = [run for run in paper_runs.runs if run.planned.law == "linear"]
+        other = [replace(run.planned, law="other", loop=loop, given=given) for run in runs]
+        runs += [replace(run, planned=planned) for run, planned in zip(runs, other, strict=True)]
+        return sentences(replace(paper_runs, study=study, runs=tuple(runs)))
+
+    assert "the law “other” (untuned defaults)" in text(frozenset({"x_start", "eta_min"}))
+    assert "untuned" not in text(frozenset({"bandwidth"}))
 
 
 def test_a_gentle_robot_is_not_said_to_be_violent(paper_runs):

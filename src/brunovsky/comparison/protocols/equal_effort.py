@@ -7,12 +7,15 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from brunovsky.comparison.facts import joined, number, percent
+from brunovsky.comparison.facts import TINY, joined, number, percent
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import Evaluate, Trial, check_laws, phrase, unit
 from brunovsky.comparison.protocols.explanation import EQUAL_EFFORT, Explanation
 from brunovsky.comparison.protocols.tuning import Knob, Tuning, tune
+from brunovsky.comparison.symbols import setting, symbol
 from brunovsky.errors import ParameterError
+
+LISTED = 4  # laws, beyond which a headline tells the best and the worst of them
 
 
 @dataclass(frozen=True)
@@ -106,31 +109,61 @@ class EqualEffort:
         told_off = percent(off) if off > 1e-4 else "less than 0.01\u00a0%"
         text = (
             f"{of} has {phrase(self.effort)} = {number(effort)} {unit(self.effort)}".rstrip()
-            + f", {told_off} off the target, at {one.knob.parameter} = {number(one.value)} ({one.runs} of "
+            + f", {told_off} off the target, at {setting(one.knob.parameter, one.value, number)} ({one.runs} of "
             f"{self.budget} runs)"
         )
-        return text + ("." if one.monotone else f"; its effort is not monotone in {one.knob.parameter}.")
+        return text + ("." if one.monotone else f"; its effort is not monotone in {symbol(one.knob.parameter)}.")
+
+    def headline(self) -> str:
+        """The one sentence for a verdict: the first metric at equal effort; of many laws the best and the worst."""
+        if self.idle:
+            return ""
+        unranked = {self.effort, *self.step_sensitive}
+        ranked = [one for one in self.metrics if one not in unranked and len(self._ordered(one)) > 1]
+        if not ranked or self.effort in self.step_sensitive:
+            return self.findings()[0]
+        metric = ranked[0]
+        (least, low), *others, (most, high) = self._ordered(metric)
+        if len(others) + 2 <= LISTED or self._excess(least, most, metric, low, high) is None:
+            return self._compared(metric)
+        alike = [f"“{law}”" for law, value in others if self._excess(least, law, metric, low, value) is None]
+        size = f"\u00a0{unit(metric)}".rstrip()
+        text = f"{self._of(metric)} is, of {len(others) + 2} laws, lowest under “{least}” ({number(low)}{size})"
+        text += (
+            f", from which {joined(alike)} {_is(alike)} not told apart by the tolerance of the tuning," if alike else ""
+        )
+        return f"{text} and highest under “{most}” ({number(high)}{size}); the table has each."
+
+    def _of(self, metric: str) -> str:
+        return f"At equal effort the {phrase(metric)}"
+
+    def _ordered(self, metric: str) -> list[tuple[str, float]]:
+        """Laws at equal effort with a metric that is defined, the lowest first."""
+        known = [(law, trial.value(metric)) for law, trial in self.tuned.items()]
+        return sorted([(law, value) for law, value in known if value is not None], key=lambda one: one[1])
 
     def _compared(self, metric: str) -> str:
         if metric in self.step_sensitive:
             return f"The {phrase(metric)} depends on the step of the simulation: it ranks no law."
-        known = {law: trial.value(metric) for law, trial in self.tuned.items()}
-        values = {law: value for law, value in known.items() if value is not None}
-        if len(values) < 2:
+        ordered = self._ordered(metric)
+        if len(ordered) < 2:
             return f"The {phrase(metric)} is defined under fewer than two laws."
-        ordered = sorted(values.items(), key=lambda one: one[1])
         listed = ", ".join(f"{number(value)} ({law})" for law, value in ordered)
-        text = f"At equal effort the {phrase(metric)}{f', {unit(metric)},' if unit(metric) else ''} is {listed}"
+        text = f"{self._of(metric)}{f', {unit(metric)},' if unit(metric) else ''} is {listed}"
         (least, low), *others = ordered
         higher = {law: self._excess(least, law, metric, low, value) for law, value in others}
         alike = [f"“{law}”" for law, one in higher.items() if one is None]
-        apart = [f"under “{law}” it is higher by {percent(one)}" for law, one in higher.items() if one is not None]
+        tiny = unit(metric) == "m" and low < TINY
+        apart = [
+            f"under “{law}” it is higher by {f'{number(value - low)} m' if tiny else percent(share)}"
+            for law, value in others
+            if (share := higher[law]) is not None
+        ]
         if not apart:
             return f"{text}: the laws do not differ by more than what the tolerance of the tuning explains."
         lowest = f"{text}: in this case lowest under “{least}”"
         if alike:
-            verb = "is" if len(alike) == 1 else "are"
-            lowest += f", from which {joined(alike)} {verb} not told apart by the tolerance of the tuning"
+            lowest += f", from which {joined(alike)} {_is(alike)} not told apart by the tolerance of the tuning"
         return f"{lowest}; {joined(apart)}."
 
     def _excess(self, least: str, law: str, metric: str, low: float, value: float) -> float | None:
@@ -140,6 +173,10 @@ class EqualEffort:
         if size == 0.0 or value - low <= max(self.rtol, slack) * size:
             return None
         return (value - low) / abs(low) if low else 1.0
+
+
+def _is(some: Sequence[str]) -> str:
+    return "is" if len(some) == 1 else "are"
 
 
 def equal_effort(

@@ -21,6 +21,7 @@ from brunovsky.comparison.protocols.paired import Difference
 from brunovsky.comparison.protocols.pareto import Pareto
 from brunovsky.comparison.protocols.swept import Swept
 from brunovsky.comparison.statistics import Estimate
+from brunovsky.comparison.symbols import with_key_unit
 
 MARKERS = ("o", "s", "D", "^", "v", "P")
 _WIDTH = 9.4
@@ -46,7 +47,7 @@ def swept_figure(result: Swept, titles: Titles | None = None) -> Figure:
         _scale(axes, shown, "y")
         _scale_knob(axes, result.values)
         axes.set_title(_marked(metric, result.step_sensitive), loc="left")
-        axes.set_xlabel(result.knob)
+        axes.set_xlabel(with_key_unit(result.knob))
     for axes in grid[len(result.metrics) :]:
         axes.set_visible(False)
     _legend(figure, result.laws, titles)
@@ -68,7 +69,7 @@ def equal_effort_figure(result: EqualEffort, titles: Titles | None = None) -> Fi
         curve.set_xscale("log")
         curve.set_yscale("log")
     curve.set_title(f"{_marked(result.effort, result.step_sensitive)};  dotted: target", loc="left")
-    curve.set_xlabel(", ".join(dict.fromkeys(one.knob.parameter for one in result.tunings)))
+    curve.set_xlabel(", ".join(dict.fromkeys(with_key_unit(one.knob.parameter) for one in result.tunings)))
     metrics = [metric for metric in result.metrics if metric != result.effort]
     for index, one in enumerate(result.tunings):
         for row, metric in enumerate(metrics):

@@ -20,6 +20,7 @@ from brunovsky.comparison import drawing
 from brunovsky.comparison.facts import number
 from brunovsky.comparison.protocols.evaluation import phrase, with_unit
 from brunovsky.comparison.protocols.mapped import Axis, Map
+from brunovsky.comparison.symbols import with_key_unit
 
 _DECADES = 10.0  # ratio of the ends from which colours are logarithmic
 _COLOURS = "cividis"  # lightness rises evenly, so that it reads in grey
@@ -57,9 +58,9 @@ def _heat_maps(result: Map, titles: Titles) -> Figure:
             bar = figure.colorbar(mesh, ax=list(grid[row]), pad=0.01, fraction=0.03, label=with_unit(metric))
             bar.ax.grid(False)
     for axes in grid[-1]:
-        axes.set_xlabel(result.across.key)
+        axes.set_xlabel(with_key_unit(result.across.key))
     for axes in grid[:, 0]:
-        axes.set_ylabel(result.up.key)
+        axes.set_ylabel(with_key_unit(result.up.key))
     drawing.plain_decades(figure)
     return figure
 
@@ -85,7 +86,7 @@ def _lines(result: Map, titles: Titles) -> Figure:
             spots = [result.across.values[k] for k in failed]
             axes.plot(spots, [0.02 + 0.05 * index] * len(spots), marker="x", color=color, markersize=5.0, **where)
         axes.set_title(f"{with_unit(metric)};  ×: failed", loc="left")
-        axes.set_xlabel(result.across.key)
+        axes.set_xlabel(with_key_unit(result.across.key))
     for axes in panels[len(result.metrics) :]:
         axes.set_visible(False)
     handles, labels = panels[0].get_legend_handles_labels()

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from brunovsky.comparison.facts import CONVERGED, given
+from brunovsky.comparison.facts import CONVERGED
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.evaluation import (
     Evaluate,
@@ -21,6 +21,7 @@ from brunovsky.comparison.protocols.evaluation import (
 )
 from brunovsky.comparison.protocols.explanation import MAP, Explanation
 from brunovsky.comparison.protocols.mapped_findings import map_findings, map_headline
+from brunovsky.comparison.symbols import setting, symbol
 from brunovsky.errors import ParameterError
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -136,13 +137,13 @@ class Map:
     @property
     def keys(self) -> str:
         """What is swept, in words."""
-        return self.across.key if self.up is None else f"{self.across.key} and {self.up.key}"
+        return " and ".join(symbol(one.key) for one in (self.across, self.up) if one is not None)
 
     def place(self, index: int) -> str:
         """Where a point of the grid is, in words."""
         row, column = np.unravel_index(index, self.shape)
-        text = f"{self.across.key} = {given(self.across.values[int(column)])}"
-        return text if self.up is None else f"{text}, {self.up.key} = {given(self.up.values[int(row)])}"
+        text = setting(self.across.key, self.across.values[int(column)])
+        return text if self.up is None else f"{text}, {setting(self.up.key, self.up.values[int(row)])}"
 
 
 def mapped(

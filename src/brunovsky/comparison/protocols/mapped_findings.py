@@ -11,6 +11,7 @@ import numpy as np
 from brunovsky.comparison.definitions import UNREACHED
 from brunovsky.comparison.facts import CONVERGED, HARDLY, joined, number, percent
 from brunovsky.comparison.protocols.evaluation import failures_told, phrase, unit
+from brunovsky.comparison.symbols import symbol
 
 if TYPE_CHECKING:
     from brunovsky.comparison.protocols.mapped import Map
@@ -86,7 +87,7 @@ def _row_by_row(values: Array, key: str) -> str:
     text = f"; it is 0 in {zero}" if zero else ""
     if not factors:
         return text
-    text += f"; {'elsewhere ' if zero else ''}{key} alone "
+    text += f"; {'elsewhere ' if zero else ''}{symbol(key)} alone "
     if _hardly(max(factors)):
         return f"{text}hardly changes it, by {percent(1.0 - 1.0 / max(factors))} of the largest in a row at most"
     if len(factors) == 1:

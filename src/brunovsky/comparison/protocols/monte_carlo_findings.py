@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from brunovsky.comparison.facts import joined, number, percent
+from brunovsky.comparison.facts import TINY, joined, number, percent
 from brunovsky.comparison.protocols.evaluation import failures_told, phrase, unit, with_unit
 from brunovsky.comparison.protocols.paired import Difference, LawRates, RateDifference
 from brunovsky.comparison.statistics import Estimate
@@ -154,7 +154,7 @@ def _difference(study: MonteCarlo, one: Difference) -> str:
     if one.sign.failures < one.median.failures:
         left += "; the order holds with runs that failed alone counted as the worse"
     base = next(two.median.estimate for two in study.summaries if (two.law, two.metric) == (other, one.metric))
-    if base:
+    if base and not (unit(one.metric) == "m" and base < TINY):
         share = percent(abs((one.median.estimate or 0.0) / base))
         numbers += f"; the median difference is {share} of the median under “{other}”"
     return f"The {what} is lower under “{one.lower}” than under “{other}” over {n} cases ({numbers}{left})."

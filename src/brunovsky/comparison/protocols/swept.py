@@ -20,6 +20,7 @@ from brunovsky.comparison.protocols.evaluation import (
     unit,
 )
 from brunovsky.comparison.protocols.explanation import SWEPT, Explanation
+from brunovsky.comparison.symbols import key_value, symbol
 from brunovsky.errors import ParameterError
 
 
@@ -83,15 +84,15 @@ class Swept:
     def _trend(self, law: str, metric: str) -> str:
         x, y = self.curve(law, metric)
         if len(y) < 2:
-            return f"Under “{law}” the {phrase(metric)} is defined for fewer than two values of {self.knob}."
+            return f"Under “{law}” the {phrase(metric)} is defined for fewer than two values of {symbol(self.knob)}."
         over = f"Under “{law}” the {phrase(metric)}"
-        span = f"{given(x[0])} to {given(x[-1])}"
+        span = f"{given(x[0])} to {key_value(x[-1], self.knob)}"
         size = max(abs(one) for one in y)
         share = 0.0 if size == 0.0 else (max(y) - min(y)) / size
         if share <= HARDLY:
             by = percent(share) if share > 1e-4 else "less than 0.01\u00a0%"
-            return f"{over} hardly depends on {self.knob} from {span}: it varies by {by} of its largest value."
-        span = f"as {self.knob} goes from {span}"
+            return f"{over} hardly depends on {symbol(self.knob)} from {span}: it varies by {by} of its largest value."
+        span = f"as {symbol(self.knob)} goes from {span}"
         steps = [b - a for a, b in itertools.pairwise(y)]
         ends = f"from {number(y[0])} to {_told(y[-1], metric)}"
         if all(one >= 0.0 for one in steps) or all(one <= 0.0 for one in steps):

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 from brunovsky.comparison.facts import given, number
 from brunovsky.comparison.protocols.evaluation import Evaluate, Trial, attempt, check_range, phrase
+from brunovsky.comparison.symbols import key_value, setting, symbol
 
 TuningStatus = Literal["tuned", "out of range", "ambiguous", "jumps", "failed", "budget"]
 _SHARE = 0.25  # of the tolerance, at which the search ends
@@ -143,8 +144,8 @@ def tune(
         trial, found = run(logarithm)
         if found is None:
             reason = trial.failure.reason if trial.failure else f"it has no {phrase(metric)}"
-            where = given(trial.parameters[knob.parameter])
-            raise _Stopped("failed", f"the run at {knob.parameter} = {where} failed: {reason.rstrip('.')}")
+            where = setting(knob.parameter, trial.parameters[knob.parameter])
+            raise _Stopped("failed", f"the run at {where} failed: {reason.rstrip('.')}")
         return 0.0 if abs(found) <= close else found
 
     close = _SHARE * math.log1p(rtol)
@@ -163,7 +164,8 @@ def tune(
     )
     if abs((best.value(metric) or 0.0) / target - 1.0) > rtol:
         reason = (
-            f"{phrase(metric)} jumps past its target {number(target)} at {knob.parameter} = {number(math.exp(root))}"
+            f"{phrase(metric)} jumps past its target {number(target)} at "
+            f"{setting(knob.parameter, math.exp(root), number)}"
         )
         return Tuning(law, knob, "jumps", None, None, steady, tuple(trials), reason)
     return Tuning(law, knob, "tuned", best.parameters[knob.parameter], best, steady, tuple(trials))
@@ -174,7 +176,7 @@ def _bracket(
 ) -> tuple[float, float]:
     """Ends of the only interval of the scan in which the metric passes the target; twice the point that hits it."""
     known = [(x, y) for x, y in points if y is not None]
-    span = f"{knob.parameter} from {given(knob.low)} to {given(knob.high)}"
+    span = f"{symbol(knob.parameter)} from {given(knob.low)} to {key_value(knob.high, knob.parameter)}"
     if not known:
         reason = trials[0].failure.reason if trials[0].failure else f"there is no {phrase(metric)}"
         raise _Stopped("failed", f"no run over {span} gives its {phrase(metric)}: {reason.rstrip('.')}")

@@ -15,7 +15,7 @@ from brunovsky.comparison import drawing, equations, figures
 from brunovsky.comparison.agreement import engine_text
 from brunovsky.comparison.claim import Claim
 from brunovsky.comparison.claims import claims, examined
-from brunovsky.comparison.facts import CONVERGED, given, joined, number
+from brunovsky.comparison.facts import given, joined, number
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocol_section import ProtocolSection, Table
 from brunovsky.comparison.report.data import agreement_data, metrics_table
@@ -27,7 +27,7 @@ from brunovsky.comparison.report.overall import overall_table
 from brunovsky.comparison.report.scenario import Picture, ScenarioSection, scenario_section
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
-from brunovsky.comparison.sensitivity import MARK
+from brunovsky.comparison.sensitivity import step_note
 from brunovsky.comparison.study import Scenario
 
 Medium = Literal["screen", "paper"]
@@ -129,8 +129,7 @@ def render(content: Content, medium: Medium) -> str:
         ),
         provenance=provenance,
         resolved=json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False),
-        mark=MARK.strip(),
-        converged=f"{100 * CONVERGED:g} %",
+        step_note=step_note(comparison.engine),
     )  # fmt: skip
 
 

@@ -7,27 +7,16 @@ from collections.abc import Sequence
 
 from brunovsky.comparison.claim import Claim, Verdict, is_nominal
 from brunovsky.comparison.claim_performance import FAST, VIOLENT
-from brunovsky.comparison.facts import given, joined, percent
-from brunovsky.comparison.features import run_features
-from brunovsky.comparison.findings_steady import HARDLY, ROUNDING, STILL
+from brunovsky.comparison.facts import given, joined
+from brunovsky.comparison.findings_steady import HARDLY, ROUNDING
 from brunovsky.comparison.protocol_section import ProtocolSection
+from brunovsky.comparison.report.pairs import SHARE, Pair, acting_on, count_of, instead, range_of, rough, tiny
+from brunovsky.comparison.report.relatives import relatives
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import both, converged, largest, spread_of, sure_change
-
-Pair = tuple[Run, Run]
-_SHARE = {"settling_time": "the settling time to 1 cm", "rms_tail_error": "the RMS error of the last quarter"}
+from brunovsky.comparison.sensitivity import both, converged, largest, settled, spread_of, sure_change
 
 _SWITCHING = "the switching term of the same linear part"
-MANY = 3  # laws of other kinds, from which on they share their sentences
-_ACTING = {
-    "disturbance": "disturbances",
-    "uncertainty": "parameter errors",
-    "noise": "measurement noise",
-    "lag": "actuator lags",
-    "delay": "delays",
-    "limits": "limits of the inputs",
-    "sampling": "sampling",
-}
+MANY = 3  # laws of other kinds, beyond which they share their sentences
 
 
 def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[ProtocolSection] = ()) -> list[str]:
@@ -38,11 +27,11 @@ def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[
     """
     groups = _against_pole_placement(comparison)
     sentences: list[str] = []
-    relatives = [(label, pairs) for label, pairs in groups if label != _SWITCHING]
-    many = len(relatives) > MANY
+    others = [(label, pairs) for label, pairs in groups if label != _SWITCHING]
+    many = len(others) > MANY
     for label, pairs in groups:
         sentences += [] if many and label != _SWITCHING else _compared(label, pairs)
-    sentences += _relatives(relatives) if many else []
+    sentences += relatives(others) if many else []
     if not groups:
         sentences.append(
             "No scenario has a run under pole placement and one under another law that both reached their end: nothing "
@@ -75,48 +64,20 @@ def _against_pole_placement(comparison: Comparison) -> list[tuple[str, list[Pair
             paper = law.kind in ("saturation", "sign")
             label = _SWITCHING if paper else f"the law “{law.name}”"
             found.setdefault(label, []).append((base, run))
-    return list(found.items())
+    return [(label + _defaults(pairs), pairs) for label, pairs in found.items()]
 
 
-def _relatives(groups: list[tuple[str, list[Pair]]]) -> list[str]:
-    """Many laws of other kinds, each against pole placement, in one sentence for each metric."""
-    sentences = []
-    for name, nominal in (("settling_time", True), ("rms_tail_error", True), ("rms_tail_error", False)):
-        told, unsure, nil, acting = [], [], [], ""
-        for label, every in groups:
-            law, pairs = label.removeprefix("the law "), [pair for pair in every if is_nominal(pair[0]) is nominal]
-            acting = "without disturbance" if nominal else f"under {_acting(pairs)}"
-            changes = [change for a, b in pairs for change in [sure_change(b, a, name)] if change is not None]
-            if (
-                pairs
-                and all(largest(run, "rms_tail_error") < ROUNDING for pair in pairs for run in pair)
-                and (name == "rms_tail_error")
-            ):
-                nil.append(law)
-            elif changes:
-                left = "" if len(changes) == len(pairs) else f", in {len(changes)} of {len(pairs)}"
-                told.append(f"{_range(changes)} under {law}{left}")
-            elif pairs:
-                unsure.append(law)
-        parts = [f"changes by {joined(told)}"] if told else []
-        parts += [f"is not ranked, as the step decides or it is undefined, under {joined(unsure)}"] if unsure else []
-        parts += [f"is nil, as under pole placement (below 1 nm), under {joined(nil)}"] if nil else []
-        if parts:
-            sentences.append(f"Against pole placement and {acting}, {_SHARE[name]} {'; '.join(parts)}.")
-    return [*sentences, *_rougher(groups)]
+def _defaults(pairs: list[Pair]) -> str:
+    """A word where a law was run as it ships, with no parameter of its own chosen by the study."""
+    return " (untuned defaults)" if all(_is_untuned(run) for _, run in pairs) else ""
 
 
-def _rougher(groups: list[tuple[str, list[Pair]]]) -> list[str]:
-    """Under which of many laws the yaw acceleration varies more than under pole placement."""
-    counts = [(label.removeprefix("the law "), len(_rough(pairs)), len(pairs)) for label, pairs in groups]
-    rough = [f"{law} ({count} of {total})" for law, count, total in counts if count]
-    return [f"u₂ varies more than under pole placement, in pairs of runs, under {joined(rough)}."] if rough else []
-
-
-def _rough(pairs: list[Pair]) -> list[Run]:
-    """Runs in which the yaw acceleration varies more than under pole placement."""
-    name = "total_variation_u2"
-    return [b for a, b in pairs if (both(b, name)[0] or 0.0) > (1.0 + HARDLY) * (both(a, name)[0] or 0.0) + STILL]
+def _is_untuned(run: Run) -> bool:
+    controller = run.planned.loop.block.components.get("controller")
+    if controller is None or run.planned.in_family:
+        return False
+    own = {one.name for one in controller.parameters} - {"sampling_period"}
+    return own.isdisjoint(name.removeprefix("controller.") for name in run.planned.given)
 
 
 def _compared(label: str, pairs: list[Pair]) -> list[str]:
@@ -126,7 +87,7 @@ def _compared(label: str, pairs: list[Pair]) -> list[str]:
     for name, some, where in (
         ("settling_time", nominal, "without disturbance"),
         ("rms_tail_error", nominal, "without disturbance"),
-        ("rms_tail_error", others, f"under {_acting(others)}"),
+        ("rms_tail_error", others, f"under {acting_on(others)}"),
     ):
         sentence = _difference(name, some)
         if sentence:
@@ -134,49 +95,49 @@ def _compared(label: str, pairs: list[Pair]) -> list[str]:
     return [*sentences, *_price(label, pairs)]
 
 
-def _acting(pairs: list[Pair]) -> str:
-    """What the runs of some pairs have that the nominal ones have not."""
-    there = {one for pair in pairs for one in run_features(pair[0].planned)}
-    return joined([text for name, text in _ACTING.items() if name in there] or ["other conditions"])
-
-
 def _difference(name: str, pairs: list[Pair]) -> str:
     """What happens to one metric; empty where there is nothing to compare."""
     if not pairs:
         return ""
-    what, aside = _SHARE[name], ""
+    what, aside = SHARE[name], ""
     if name == "rms_tail_error":
         nil = [pair for pair in pairs if all(largest(run, name) < ROUNDING for run in pair)]
         pairs = [pair for pair in pairs if pair not in nil]
         if not pairs:
-            return f"leaves {what} nil for every purpose, as it is without (below 1 nm; {_pairs(len(nil))})."
-        aside = f"; in {_pairs(len(nil))} it is nil with and without (below 1 nm)" if nil else ""
+            return f"leaves {what} nil for every purpose, as it is without (below 1 nm; {count_of(len(nil))})."
+        aside = f"; in {count_of(len(nil))} it is nil with and without (below 1 nm)" if nil else ""
     if all(both(run, name)[0] == 0.0 for pair in pairs for run in pair):
         return ""
-    never = [pair for pair in pairs if None in (both(run, name)[0] for run in pair)] if name == "settling_time" else []
-    if never:
-        pairs = [pair for pair in pairs if pair not in never]
-        aside = _unsettled(never)
+    open_ = [pair for pair in pairs if not all(map(settled, pair))] if name == "settling_time" else []
+    if open_:
+        pairs = [pair for pair in pairs if pair not in open_]
+        aside = _unsettled(open_)
         if not pairs:
             return f"is not ranked by {what}{aside.replace(';', ':', 1)}."
+    small = tiny(pairs, name)
+    if small:
+        pairs = [pair for pair in pairs if pair not in small]
+        if not pairs:
+            return f"leaves {what} at {instead(small, name)} ({count_of(len(small))}{aside})."
+        aside += f"; in {count_of(len(small))} it is {instead(small, name)}, too little to tell a share of"
     known = [change for a, b in pairs for change in [sure_change(b, a, name)] if change is not None]
     left = len(pairs) - len(known)
     if not known:
-        return f"cannot be ranked by {what}: no difference in it is converged with the step ({_pairs(left)}){aside}."
-    counted = f"{_range(known)} in {_pairs(len(known))}"
+        return f"cannot be ranked by {what}: no difference in it is converged with the step ({count_of(left)}){aside}."
+    counted = f"{range_of(known)} in {count_of(len(known))}"
     ending = f"; {left} more {'is' if left == 1 else 'are'} not converged with the step, or undefined" if left else ""
     return f"{_word(known)} {what} ({counted}{ending}{aside})."
 
 
 def _unsettled(pairs: list[Pair]) -> str:
-    """Pairs of runs of which one or both never settle to 1 cm, in words."""
-    settles = [tuple(both(run, "settling_time")[0] is not None for run in pair) for pair in pairs]
+    """Pairs of runs of which one or both had not settled to 1 cm for good, in words."""
+    settles = [tuple(map(settled, pair)) for pair in pairs]
     words = (
-        ((False, True), "it settles, and pole placement never does"),
-        ((True, False), "pole placement settles, and it never does"),
-        ((False, False), "neither ever settles"),
+        ((False, True), "it settles for good, and pole placement had not"),
+        ((True, False), "pole placement settles for good, and it had not"),
+        ((False, False), "neither had settled for good"),
     )
-    return "".join(f"; in {_pairs(settles.count(one))} {text}" for one, text in words if one in settles)
+    return "".join(f"; in {count_of(settles.count(one))} {text}" for one, text in words if one in settles)
 
 
 def _word(changes: list[float]) -> str:
@@ -194,12 +155,16 @@ def _word(changes: list[float]) -> str:
 def _price(label: str, pairs: list[Pair]) -> list[str]:
     """What it costs in variation of the yaw acceleration."""
     name = "total_variation_u2"
-    rough = _rough(pairs)
-    if not rough:
-        return [f"It costs no more variation of u₂ than pole placement in any of these {_pairs(len(pairs))}."]
-    grows = sum(not converged(run, name) for run in rough)
-    text = f"Its price: in {len(rough)} of {_pairs(len(pairs))} u₂ varies more than under pole placement"
-    if grows:
+    rugged = rough(pairs)
+    if not rugged:
+        where = "in the one pair of runs" if len(pairs) == 1 else f"in any of these {count_of(len(pairs))}"
+        return [f"It costs no more variation of u₂ than pole placement {where}."]
+    grows = sum(not converged(run, name) for run in rugged)
+    which = "the one pair of runs" if len(pairs) == 1 else f"{len(rugged)} of {count_of(len(pairs))}"
+    text = f"Its price: in {which} u₂ varies more than under pole placement"
+    if grows and len(pairs) == 1:
+        text += ", by a number that the step decides, not the law alone"
+    elif grows:
         text += f", in {grows} of them by a number that the step decides, not the law alone"
     return [f"{text}."]
 
@@ -233,12 +198,3 @@ def _on_claims(claims: Sequence[Claim]) -> list[str]:
     words: tuple[Verdict, ...] = ("confirmed", "confirmed under conditions", "contradicted", "not examined")
     parts = [f"{count[word]} {'is' if count[word] == 1 else 'are'} {word}" for word in words if count[word]]
     return [f"Of {len(claims)} claims of the paper {joined(parts)}."]
-
-
-def _range(found: list[float]) -> str:
-    low, high = percent(min(found)), percent(max(found))
-    return low if low == high else f"{low} to {high}"
-
-
-def _pairs(count: int) -> str:
-    return f"{count} pair{'' if count == 1 else 's'} of runs"

@@ -1,0 +1,56 @@
+"""What the sentences of a verdict share: pairs of runs, pole placement first, and what is said of them."""
+
+from __future__ import annotations
+
+from brunovsky.comparison.facts import joined, percent
+from brunovsky.comparison.features import run_features
+from brunovsky.comparison.findings_steady import HARDLY, STILL
+from brunovsky.comparison.run import Run
+from brunovsky.comparison.sensitivity import both, is_tiny, spread_of
+
+Pair = tuple[Run, Run]
+SHARE = {"settling_time": "the settling time to 1 cm", "rms_tail_error": "the RMS error of the last quarter"}
+_ACTING = {
+    "disturbance": "disturbances",
+    "uncertainty": "parameter errors",
+    "noise": "measurement noise",
+    "lag": "actuator lags",
+    "delay": "delays",
+    "limits": "limits of the inputs",
+    "sampling": "sampling",
+}
+
+
+def acting_on(pairs: list[Pair]) -> str:
+    """What the runs of some pairs have that the nominal ones have not."""
+    there = {one for pair in pairs for one in run_features(pair[0].planned)}
+    return joined([text for name, text in _ACTING.items() if name in there] or ["other conditions"])
+
+
+def rough(pairs: list[Pair]) -> list[Run]:
+    """Runs in which the yaw acceleration varies more than under pole placement."""
+    name = "total_variation_u2"
+    return [b for a, b in pairs if (both(b, name)[0] or 0.0) > (1.0 + HARDLY) * (both(a, name)[0] or 0.0) + STILL]
+
+
+def range_of(found: list[float]) -> str:
+    """The least and the largest of some relative changes."""
+    low, high = percent(min(found)), percent(max(found))
+    return low if low == high else f"{low} to {high}"
+
+
+def count_of(count: int) -> str:
+    """A number of pairs in words."""
+    return f"{count} pair{'' if count == 1 else 's'} of runs"
+
+
+def tiny(pairs: list[Pair], name: str) -> list[Pair]:
+    """Pairs whose metric is so small under pole placement that a share of it says nothing."""
+    return [pair for pair in pairs if is_tiny(pair[0], name)]
+
+
+def instead(pairs: list[Pair], name: str) -> str:
+    """A metric, a length, under another law and under pole placement, as it is."""
+    return (
+        f"{spread_of([b for _, b in pairs], name, 'm', 2)} instead of {spread_of([a for a, _ in pairs], name, 'm', 2)}"
+    )
