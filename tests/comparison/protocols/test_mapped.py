@@ -71,7 +71,7 @@ def test_points_at_zero_are_in_no_factor_and_are_told():
 
     found = mapped(zero, {"a": {}}, X, Axis(Y.key, (2.0, 3.0)), metrics=["iae", "rms_tail_error"])
     told = found.findings()
-    assert "; it is 0 in 2 of 6 points; elsewhere theta_start_rad alone changes it by a factor of 2.0 to 3.0" in told[0]
+    assert "; it is 0 in 2 of 6 points; elsewhere θ(0) alone changes it by a factor of 2.0 to 3.0" in told[0]
     assert told[1].endswith("it is 0 in 6 of 6 points.")
     assert "the IAE by a factor of 4.0 (0 in 2 of 6 points, left out here)" in found.headline()
     assert "the RMS position error (last quarter) not at all (it is 0 in all 6 points)" in found.headline()
@@ -91,7 +91,7 @@ def test_two_maps_of_a_scenario_are_told_apart_by_their_titles():
         section = _section(ProtocolRun(None, result, (), (), {}), 1, "Circle", {}, False)
         return section.title, section.caption, section.table.caption
 
-    assert titles(Y)[0] == "Map over theta_start_rad and eta_start_1_m_per_s: Circle"
+    assert titles(Y)[0] == "Map over θ(0) and η₁(0): Circle"
     assert not set(titles(Y)) & set(titles(Axis("x_start_m", (0.5, 1.0)))) | set(titles(Y)) & set(titles(None))
 
 
