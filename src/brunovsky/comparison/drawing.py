@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import itertools
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -37,9 +38,16 @@ SETTINGS: Any = {
     "path.simplify": True,
     "path.simplify_threshold": 0.2,
 }
-_GRID = 216.0  # strokes an inch that are told apart in a phase portrait
+_INCH = 72.0  # points
+_GRID = 216.0  # positions an inch that are told apart in a phase portrait
+_CELL = 0.75  # points; half of a line's width
+_JUST = 3.0 * _CELL  # along the curve
+_FRAME = 20.0  # pixels about the axes, beyond which nothing is told apart
+_AT_ONCE = 2_000_000  # cells
 BINS = 500  # of the thinning; two values a bin
+_USES = re.compile(r'(xlink:href="#|url\(#)([^")]*)')
 _DECIMALS = re.compile(r"-?\d+\.\d{3,}")
+_LINE = re.compile(r"\s*\n(\w) ?")  # of a path, each of its own in what matplotlib writes
 _FEW = 1e3  # ratio of the ends of a logarithmic axis with few powers of ten
 LARGEST = 1e12  # what a run that diverged is drawn up to
 
@@ -147,25 +155,58 @@ def signed_scale(axes: Axes, which: str, linear: float, peak: float, most: int =
 
 
 def drawn_once(axes: Axes, x: Array, y: Array) -> tuple[Array, Array]:
-    """A curve of a plane on axes with their final limits, without the strokes that only repeat earlier ones.
+    """A curve of a plane on axes with their final limits, without the strokes that only repeat what earlier ones cover.
 
-    A stroke joins two points of a grid with a width of a third of a point (1/72 inch); where one is left out, the curve
-    is broken by not-a-number.
+    A stroke joins two points of a grid with a width of a third of a point (1/72 inch). One is left out, and the curve
+    broken by not-a-number, if each cell of three quarters of a point through which it leads has been drawn in before,
+    so that a region that is covered densely costs as many strokes as fill it, not as many as the run has steps.
     """
     axes.get_xlim(), axes.get_ylim()  # limits that follow from what was drawn are set when they are asked for
-    points = axes.transData.transform(np.column_stack((x, y)))
-    cells = np.round(points * (_GRID / axes.figure.dpi)).astype(np.int64)
+    if not x.size:
+        return x, y
+    points = np.clip(axes.transData.transform(np.column_stack((x, y))), axes.bbox.min - _FRAME, axes.bbox.max + _FRAME)
+    points *= _INCH / axes.figure.dpi
+    cells = np.round(points * (_GRID / _INCH)).astype(np.int64)
     moved = np.concatenate(([True], np.any(cells[1:] != cells[:-1], axis=1)))
-    cells, x, y = cells[moved], x[moved], y[moved]
-    strokes = np.sort(np.stack((cells[:-1], cells[1:]), axis=1).reshape(-1, 2, 2), axis=1).reshape(-1, 4)
-    keep = np.zeros(len(strokes), dtype=bool)
-    keep[np.unique(strokes, axis=0, return_index=True)[1]] = True
+    points, x, y = points[moved], x[moved], y[moved]
     gap = np.array([np.nan])
     xs, ys = [x[:1]], [y[:1]]
-    for begin, end in _stretches(keep):
+    for begin, end in _stretches(_covers(points)):
         xs += [gap, x[begin : end + 1]]
         ys += [gap, y[begin : end + 1]]
     return np.concatenate(xs), np.concatenate(ys)
+
+
+def _covers(points: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Which strokes between successive points (1/72 inch) lead through a cell that none before them did.
+
+    What was drawn just before along the curve does not count, so that a curve isn't broken at each cell.
+    """
+    lengths = np.hypot(*np.diff(points, axis=0).T)
+    way = np.concatenate(([0.0], np.cumsum(lengths)))
+    lowest = np.min(points, axis=0)
+    columns = int((np.max(points[:, 1]) - lowest[1]) / _CELL) + 2
+    rows = int((np.max(points[:, 0]) - lowest[0]) / _CELL) + 2
+    reached = np.full(rows * columns, np.inf)  # how far along the curve each cell was first drawn in
+    keep = np.zeros(lengths.size, dtype=bool)
+    counts = np.ceil(lengths / _CELL).astype(np.int64) + 1
+    for begin, end in _portions(counts):
+        stroke = np.repeat(np.arange(begin, end), counts[begin:end])
+        first = np.repeat(np.cumsum(counts[begin:end]) - counts[begin:end], counts[begin:end])
+        share = (np.arange(stroke.size) - first) / (counts[stroke] - 1).clip(1)
+        place = points[stroke] + share[:, np.newaxis] * (points[stroke + 1] - points[stroke])
+        row, column = ((place - lowest) / _CELL).astype(np.int64).T
+        cell, far = row * columns + column, way[stroke] + share * lengths[stroke]
+        np.minimum.at(reached, cell, far)
+        keep[stroke[far - reached[cell] <= _JUST]] = True
+    return keep
+
+
+def _portions(counts: np.ndarray[Any, np.dtype[np.int64]]) -> Iterator[tuple[int, int]]:
+    """Begin and end of successive stretches with a bounded sum of counts each, unless one alone exceeds it."""
+    part = np.cumsum(counts) // _AT_ONCE
+    edges = np.flatnonzero(np.diff(part, prepend=-1))
+    yield from itertools.pairwise([*edges.tolist(), counts.size])
 
 
 def _stretches(keep: Any) -> list[tuple[int, int]]:
@@ -219,8 +260,9 @@ def svg(figure: Figure, key: str, title: str = "") -> str:
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
     text = re.sub(r' xmlns:(?:cc|dc|rdf)="[^"]*"', "", text)
-    text = re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{key}-", text)
-    text = re.sub(r' d="[^"]*"', lambda path: _DECIMALS.sub(_rounded, path[0]), text)
+    text = _only_used_ids(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL), key)
+    text = re.sub(r' d="[^"]*"', lambda path: _LINE.sub(r" \1", _DECIMALS.sub(_rounded, path[0])), text)
+    text = re.sub(r"\n\s*", "\n", text)
     return described(text.strip(), title) if title else text.strip()
 
 
@@ -228,6 +270,13 @@ def described(text: str, title: str) -> str:
     """SVG element with what a screen reader says of it, unless it says something already."""
     opening = text[: text.index(">")]
     return text if "aria-label" in opening else text.replace("<svg", f'<svg role="img" aria-label="{escape(title)}"', 1)
+
+
+def _only_used_ids(text: str, key: str) -> str:
+    """SVG without the ids that nothing in it refers to; the others are numbered."""
+    used = {one: f"{key}-{k}" for k, one in enumerate(dict.fromkeys(name for _, name in _USES.findall(text)), 1)}
+    text = re.sub(r' id="([^"]*)"', lambda one: f' id="{used[one[1]]}"' if one[1] in used else "", text)
+    return _USES.sub(lambda one: one[1] + used[one[2]], text)
 
 
 def _rounded(match: re.Match[str]) -> str:

@@ -62,7 +62,8 @@ def _scale(axes: Axes, planes: list[tuple[int, Array, Array]], laws: Drawn) -> N
 def _draw_portrait(axes: Axes, planes: list[tuple[int, Array, Array]]) -> None:
     for _, x, y in planes:
         if axes.get_xscale() == "linear":
-            axes.plot(x, y, alpha=0.0)  # sets the limits
+            axes.update_datalim(np.column_stack((x, y)))
+            axes.autoscale_view()
             for axis in (axes.xaxis, axes.yaxis):
                 formatter = axis.get_major_formatter()
                 if isinstance(formatter, ScalarFormatter):  # not that of a signed logarithmic axis
