@@ -7,6 +7,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.drawing_once import drawn_once
 
 
 def axes():
@@ -19,7 +20,7 @@ def axes():
 def test_a_repeated_cycle_is_drawn_once_and_keeps_its_extremes():
     angle = np.linspace(0.0, 2.0 * np.pi, 401)
     x, y = np.tile(np.cos(angle), 50), np.tile(np.sin(angle), 50)
-    xs, ys = drawing.drawn_once(axes(), x, y)
+    xs, ys = drawn_once(axes(), x, y)
     assert xs.size < 500
     assert np.nanmax(xs) == 1.0 and np.nanmin(ys) == y.min()
 
@@ -34,7 +35,7 @@ def swinging(steps: int = 12_000):
 def test_a_dense_chattering_trace_is_small_and_looks_the_same():
     x, y = swinging()
     pictures, texts = [], []
-    for curve in ((x, y), drawing.drawn_once(axes(), x, y)):
+    for curve in ((x, y), drawn_once(axes(), x, y)):
         place = axes()
         place.plot(*curve, **drawing.style(0))
         canvas = FigureCanvasAgg(place.figure)
@@ -50,13 +51,13 @@ def test_a_dense_chattering_trace_is_small_and_looks_the_same():
 
 def test_strokes_that_leave_the_axes_cost_no_memory():
     x, y = np.array([0.0, 1e12, 0.0, -1e12, 0.5]), np.array([0.0, 1e12, -1e12, 0.5, 0.5])
-    xs, _ = drawing.drawn_once(axes(), x, y)
+    xs, _ = drawn_once(axes(), x, y)
     assert np.isfinite(xs).sum() >= 5
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_short_curves(count):
-    xs, ys = drawing.drawn_once(axes(), np.zeros(count), np.linspace(0.0, 0.5, count))
+    xs, ys = drawn_once(axes(), np.zeros(count), np.linspace(0.0, 0.5, count))
     assert np.isfinite(xs).sum() >= count and xs.shape == ys.shape
 
 
@@ -70,7 +71,7 @@ def test_ids_are_those_that_are_referred_to():
 
 def test_a_curve_that_never_repeats_is_kept_whole():
     x = np.linspace(-1.0, 1.0, 50)
-    xs, ys = drawing.drawn_once(axes(), x, x**3)
+    xs, ys = drawn_once(axes(), x, x**3)
     kept = xs[~np.isnan(xs)]
     np.testing.assert_array_equal(np.unique(kept), x)
     assert np.nanmax(np.abs(ys - xs**3)) == 0.0

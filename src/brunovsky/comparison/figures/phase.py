@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.drawing_once import drawn_once
 from brunovsky.comparison.figures.traces import START, Drawn, add_legend, draw_limits, drawable, layers, place_handles
 from brunovsky.comparison.metrics import Array, error_names, instants, values
 from brunovsky.comparison.run import Comparison, Run
@@ -69,7 +70,7 @@ def _draw_portrait(axes: Axes, planes: list[tuple[int, Array, Array]]) -> None:
                 if isinstance(formatter, ScalarFormatter):  # not that of a signed logarithmic axis
                     formatter.set_powerlimits((-3, 4))
     for index, x, y in planes:
-        axes.plot(*drawing.drawn_once(axes, x, y), **drawing.style(index))
+        axes.plot(*drawn_once(axes, x, y), **drawing.style(index))
         axes.plot(x[:1], y[:1], markerfacecolor="#ffffff", **START)
     axes.axhline(0.0, color="#7d878e", linewidth=0.6)
     axes.axvline(0.0, color="#7d878e", linewidth=0.6)
