@@ -206,7 +206,7 @@ def described(text: str, title: str) -> str:
 
 def _only_used_ids(text: str, key: str) -> str:
     """SVG without the ids that nothing in it refers to; the others are numbered."""
-    used = {one: f"{key}-{k}" for k, one in enumerate(dict.fromkeys(name for _, name in _USES.findall(text)), 1)}
+    used = {one: f"{key}.{k}" for k, one in enumerate(dict.fromkeys(name for _, name in _USES.findall(text)), 1)}
     text = re.sub(r' id="([^"]*)"', lambda one: f' id="{used[one[1]]}"' if one[1] in used else "", text)
     return _USES.sub(lambda one: one[1] + used[one[2]], text)
 

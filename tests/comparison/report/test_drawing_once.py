@@ -66,7 +66,7 @@ def test_ids_are_those_that_are_referred_to():
     figure.subplots().plot([0.0, 1.0], [0.0, 1.0], "o")
     text = drawing.svg(figure, "key")
     used = set(re.findall(r'(?:href="|url\()#([^")]*)', text))
-    assert used and used == set(re.findall(r' id="([^"]*)"', text)) and all(one.startswith("key-") for one in used)
+    assert used and used == set(re.findall(r' id="([^"]*)"', text)) and all(one.startswith("key.") for one in used)
 
 
 def test_a_curve_that_never_repeats_is_kept_whole():
