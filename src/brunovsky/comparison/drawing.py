@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import itertools
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -17,7 +18,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from brunovsky.comparison.facts import given, power_of_ten
+from brunovsky.comparison.facts import power_of_ten
 from brunovsky.comparison.metrics import Array
 
 SETTINGS: Any = {
@@ -41,7 +42,11 @@ BINS = 500  # of the thinning; two values a bin
 _USES = re.compile(r'(xlink:href="#|url\(#)([^")]*)')
 _DECIMALS = re.compile(r"-?\d+\.\d{3,}")
 _LINE = re.compile(r"\s*\n(\w) ?")  # of a path, each of its own in what matplotlib writes
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+_INCH, _CHARACTER, _HANDLE = 72.0, 5.1, 40.0  # points: of a letter in a legend, and of the line before each entry
+_WIDE = 3.0  # points; lines from there on are light, and lie at the back
 _FEW = 1e3  # ratio of the ends of a logarithmic axis with few powers of ten
+_FEWER = 1e2
 LARGEST = 1e12  # what a run that diverged is drawn up to
 
 
@@ -68,13 +73,39 @@ REFERENCE: dict[str, Any] = {"color": "#000000", "linewidth": 0.8, "linestyle": 
 
 
 def style(index: int) -> dict[str, Any]:
-    """Line properties of the law with this index in the study; beyond the styles, the same colours in dots of a row."""
-    turn, index = divmod(index, len(STYLES))
-    one = STYLES[index]
+    """Line properties of the law with this index in the study; beyond the styles, the dark ones in rows of dots."""
+    turn, place = divmod(index, len(STYLES))
+    one = STYLES[place]
     if turn:
-        dots = (0, (3, 1, *(1, 1) * (turn + index % 2)))
-        return {"color": one.color, "linewidth": 1.2, "linestyle": dots, "zorder": one.order + 5.0 * turn}
+        dots = (0, (3, 1, *(1, 1) * (turn + place % 2)))
+        color = marker_color(place)
+        return {"color": color, "linewidth": 1.2, "linestyle": dots, "zorder": one.order + 5.0 * turn}
     return {"color": one.color, "linewidth": one.width, "linestyle": one.dash, "zorder": one.order}
+
+
+def marks(index: int, points: int = 1) -> dict[str, Any]:
+    """A few markers along a line of so many points, for laws beyond the styles, which no dash would tell apart."""
+    if index < len(STYLES):
+        return {}
+    apart = max(points // 6, 1)
+    look = {"marker": _MARKERS[index % len(_MARKERS)], "markersize": 4.5, "markerfacecolor": "#ffffff"}
+    return {**look, "markevery": (int(0.37 * index % 1.0 * apart), apart)}
+
+
+def legend_columns(labels: Sequence[str], width: float, most: int) -> int:
+    """Largest number of columns, up to `most`, in which a legend fits a figure of this width (inches)."""
+    for columns in range(min(most, len(labels)), 1, -1):
+        rows = -(-len(labels) // columns)
+        widest = [max(map(len, labels[k : k + rows])) for k in range(0, len(labels), rows)]
+        if sum(_CHARACTER * one + _HANDLE for one in widest) <= _INCH * width:
+            return columns
+    return 1
+
+
+def marker_color(index: int) -> str:
+    """Colour of the markers of the series with this index: those of the styles, less the one too light for a marker."""
+    colors = [one.color for one in STYLES if one.width < _WIDE]
+    return colors[index % len(colors)]
 
 
 def thinned(time: Array, signal: Array, bins: int = BINS) -> tuple[Array, Array]:
@@ -156,9 +187,17 @@ def plain_decades(figure: Figure) -> None:
             low, high = sorted(axis.get_view_interval())
             axis.set_major_formatter(FuncFormatter(lambda value, _: power_of_ten(value)))
             few = high < _FEW * low
-            axis.set_minor_formatter(FuncFormatter(lambda value, _: given(value)) if few else NullFormatter())
+            axis.set_minor_formatter(FuncFormatter(lambda value, _: _short(value)) if few else NullFormatter())
             if few:
-                axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+                axis.set_minor_locator(LogLocator(subs=(2.0, 5.0) if high < _FEWER * low else (3.0,)))
+
+
+def _short(value: float) -> str:
+    """A multiple of a power of ten, as the label of an axis."""
+    if 1e-3 <= value < 1e4:
+        return f"{value:g}"
+    power = 10.0 ** np.floor(np.log10(value))
+    return f"{value / power:.3g}×{power_of_ten(power)}"
 
 
 def _set_ticks(axis: Axis, ticks: list[float]) -> None:

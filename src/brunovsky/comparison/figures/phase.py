@@ -20,7 +20,7 @@ _LINEAR = 0.01  # m/s2; up to it the axis of S is linear
 def phase_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     """(e, e') and (S, S') of both chains, over the whole run; dotted is the reaching law without disturbance."""
     laws = drawable(comparison, scenario)
-    figure = drawing.new_figure(9.4, 5.6, left=0.07, right=0.985, bottom=0.085, top=0.93, hspace=0.32, wspace=0.17)
+    figure = drawing.new_figure(9.4, 5.6, left=0.07, right=0.985, bottom=0.085, top=0.9, hspace=0.32, wspace=0.17)
     grid = figure.subplots(2, 2)
     for axes, k, name in zip(grid[0], (1, 2), "xy", strict=True):
         _draw_portrait(axes, [(index, *_error_plane(run, k)) for index, _, run in laws])
@@ -65,12 +65,14 @@ def _draw_portrait(axes: Axes, planes: list[tuple[int, Array, Array]]) -> None:
         if axes.get_xscale() == "linear":
             axes.update_datalim(np.column_stack((x, y)))
             axes.autoscale_view()
+            axes.locator_params(axis="x", nbins=7)
             for axis in (axes.xaxis, axes.yaxis):
                 formatter = axis.get_major_formatter()
                 if isinstance(formatter, ScalarFormatter):  # not that of a signed logarithmic axis
                     formatter.set_powerlimits((-3, 4))
     for index, x, y in planes:
-        axes.plot(*drawn_once(axes, x, y), **drawing.style(index))
+        xs, ys = drawn_once(axes, x, y)
+        axes.plot(xs, ys, **drawing.style(index), **drawing.marks(index, xs.size))
         axes.plot(x[:1], y[:1], markerfacecolor="#ffffff", **START)
     axes.axhline(0.0, color="#7d878e", linewidth=0.6)
     axes.axvline(0.0, color="#7d878e", linewidth=0.6)

@@ -244,4 +244,6 @@ def _scale_knob(axes: Axes, values: Sequence[float]) -> None:
 
 def _legend(figure: Figure, laws: Sequence[str], titles: Titles | None) -> None:
     handles = [Line2D([], [], label=(titles or {}).get(law) or law, **_line(index)) for index, law in enumerate(laws)]
-    figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4), frameon=False)
+    labels = [str(one.get_label()) for one in handles]
+    columns = drawing.legend_columns(labels, float(figure.get_figwidth()), 4)
+    figure.legend(handles=handles, loc="outside upper center", ncols=columns, frameon=False)
