@@ -76,7 +76,7 @@ def test_the_page_is_well_formed_and_refers_to_nothing_outside(page, written):
     addresses = set(re.findall(r"https?://[^\"'\s<]+", text))
     assert addresses <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
     assert "@import" not in text and page.count["script"] == 1
-    assert written.report.stat().st_size < 6_000_000
+    assert written.report.stat().st_size < 4_500_000
 
 
 def test_the_page_has_every_figure_table_and_section(page, paper):
