@@ -13,6 +13,7 @@ from brunovsky._resources import resource
 from brunovsky.comparison import compare_study, load_study, readme_figure, run_study, summary_markdown, write_report
 from brunovsky.comparison.claims import claims
 from brunovsky.comparison.report import render_report
+from brunovsky.comparison.report.manifest import ReportFolder
 
 VOID = {"meta", "br", "hr", "img", "link", "input"}
 METRICS = {
@@ -75,7 +76,7 @@ def test_the_page_is_well_formed_and_refers_to_nothing_outside(page, written):
     addresses = set(re.findall(r"https?://[^\"'\s<]+", text))
     assert addresses <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
     assert "@import" not in text and page.count["script"] == 1
-    assert written.report.stat().st_size < 6_000_000
+    assert written.report.stat().st_size < 4_500_000
 
 
 def test_the_page_has_every_figure_table_and_section(page, paper):
@@ -134,12 +135,21 @@ def test_the_same_runs_give_the_same_bytes(small):
     assert reports[0].replace("2001-01-01", "2002-02-02") == reports[1]
 
 
-def test_one_call_does_it_all_and_shows_its_progress(small, tmp_path):
+def test_one_call_does_it_all_shows_its_progress_and_replaces_the_report_before(small, tmp_path):
     seen = []
+    before = ReportFolder(tmp_path / "out")
+    before.write(tmp_path / "out" / "traces" / "renamed--linear.nc", b"of an earlier report")
+    before.finish()
+    (tmp_path / "out" / "traces" / "mine.nc").write_bytes(b"my own")
     written = compare_study(small, tmp_path / "out", progress=lambda *what: seen.append(what))
+    files = {path.name for path in (tmp_path / "out" / "traces").iterdir()}
+    assert files == {"mine.nc", *(path.name for path in written.traces)}
+    listed = json.loads((tmp_path / "out" / "manifest.json").read_text())["sha256"]
+    all_written = (written.report, written.metrics, *written.traces, *written.tables)
+    assert set(listed) == {path.relative_to(tmp_path / "out").as_posix() for path in all_written}
     assert (written.report.name, written.metrics.name, written.pdf) == ("report.html", "metrics.json", None)
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert names == ["metrics.json", "report.html", "tables", "traces"]
+    assert names == ["manifest.json", "metrics.json", "report.html", "tables", "traces"]
     assert seen[0] == (0, 2, "circle/linear") and seen[1] == (1, 2, "circle/relay") and seen[-1][:2] == (2, 2)
 
 

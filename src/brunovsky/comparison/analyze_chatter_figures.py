@@ -95,7 +95,7 @@ def _grid(grid: ChatterGrid, rows: Sequence[ChatterRow]) -> Figure:
         Line2D(
             [],
             [],
-            color=_color(k),
+            color=drawing.marker_color(k),
             marker=_MARKERS[k % 6],
             fillstyle="none",
             linestyle="none",
@@ -116,17 +116,12 @@ def _curve(place: Any, curve: Sequence[ChatterRow], quantity: str, index: int) -
         points = [(1e3 * dead_time(row), getattr(row, f"{source}_{quantity}"), row.linear_part_stable) for row in curve]
         known = [one for one in points if one[1] is not None]
         if source != "simulated":
-            place.plot([x for x, _, _ in known], [y for _, y, _ in known], color=_color(index), **look)
+            place.plot([x for x, _, _ in known], [y for _, y, _ in known], color=drawing.marker_color(index), **look)
             continue
         for filled in (False, True):
             some = [(x, y) for x, y, stable in known if stable is not filled]
             style = {"marker": _MARKERS[index % 6], "fillstyle": "full" if filled else "none"}
-            place.plot([x for x, _ in some], [y for _, y in some], color=_color(index), **style, **look)
-
-
-def _color(index: int) -> str:
-    colors = [one.color for one in drawing.STYLES if one.color != "#c3cbd1"]  # too light for a marker
-    return colors[index % len(colors)]
+            place.plot([x for x, _ in some], [y for _, y in some], color=drawing.marker_color(index), **style, **look)
 
 
 def _names(keys: Sequence[tuple[Any, ...]]) -> list[str]:

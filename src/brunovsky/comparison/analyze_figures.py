@@ -19,7 +19,13 @@ from brunovsky.analysis import (
 from brunovsky.blocks import robot_linearization
 from brunovsky.comparison import drawing
 from brunovsky.comparison.analyze_chatter_figures import chatter_figures
-from brunovsky.comparison.analyze_loop_figures import Loops, gang_of_four_figure, loop_figure, step_response_figure
+from brunovsky.comparison.analyze_loop_figures import (
+    Loops,
+    gang_of_four_figure,
+    loop_figure,
+    loop_frequencies,
+    step_response_figure,
+)
 from brunovsky.comparison.analyzed_loops import AnalyzedLaw, loops_by_name
 from brunovsky.comparison.facts import given
 from brunovsky.comparison.run import Progress
@@ -41,7 +47,7 @@ def analysis_figures(analysis: Analysis, progress: Progress | None = None) -> di
         makers |= {"poles": lambda: _poles(loops), "root-locus": lambda: _root_locus(analysis)}
     if stable:
         makers |= {
-            "loop": lambda: loop_figure(stable),
+            "loop": lambda: loop_figure(stable, loop_frequencies(stable)),
             "gang-of-four": lambda: gang_of_four_figure(stable),
             "step-response": lambda: step_response_figure(stable),
         }

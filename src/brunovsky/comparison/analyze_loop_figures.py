@@ -9,61 +9,45 @@ import control
 import numpy as np
 from matplotlib.figure import Figure
 
-from brunovsky.analysis import gang_of_four, loop_transfer, set_point_transfer
+from brunovsky.analysis import Margins, gang_of_four, set_point_transfer
 from brunovsky.comparison import drawing
 from brunovsky.comparison.analyzed_loops import AnalyzedLoop
+from brunovsky.comparison.loop_curves import LoopCurve, ResponseMargins
 
 Loops = Mapping[str, AnalyzedLoop]
+Frequencies = np.ndarray[Any, np.dtype[np.float64]]
+_LOWEST = -450.0  # degrees; where a delay turns the phase further, it is not drawn
 
 
-def loop_figure(loops: Loops) -> Figure:
-    """Bode plot of the loop at v with its margins, and its Nyquist plot with the circle of the modulus margin."""
-    figure = drawing.new_figure(9.4, 5.0)
+def loop_figure(loops: Mapping[str, AnalyzedLoop | LoopCurve], w: Frequencies) -> Figure:
+    """Bode plot of loops at v with their margins, and the Nyquist plot with the circles of the modulus margins."""
+    figure = drawing.new_figure(9.4, 4.7 + 0.19 * len(loops))
     grid = figure.add_gridspec(2, 2)
     gain, nyquist = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[:, 1])
     phase = figure.add_subplot(grid[1, 0], sharex=gain)
-    w = _frequencies(loops)
     for index, (name, loop) in enumerate(loops.items()):
         look, margins = drawing.style(index), loop.margins
-        response = loop_transfer(loop.gain)(1j * w)
+        response = loop.response(w)
         angle = np.rad2deg(np.unwrap(np.angle(response)))
-        angle -= 360.0 * np.round((angle[-1] + 90.0) / 360.0)  # three integrators and two zeros: -90 degrees at the end
-        assert margins is not None
-        gain.loglog(w, np.abs(response), label=name, **look)
-        phase.semilogx(
-            w, angle, label=f"margin {np.rad2deg(margins.phase):.3g}° at {margins.gain_crossover:.3g} rad/s", **look
-        )
-        nyquist.plot(response.real, response.imag, label=name, **look)
-        crossing = np.rad2deg(margins.phase) - 180.0
-        phase.plot(
-            [margins.gain_crossover] * 2,
-            [-180.0, crossing],
-            marker="_",
-            markersize=7,
-            **{**look, "linestyle": "solid", "linewidth": 1.4},
-        )
+        angle -= 360.0 * np.round((angle[0] + 270.0) / 360.0)  # three integrators
+        gain.loglog(w, np.abs(response), label=f"{name}: {margins_text(margins)}", **look)
+        phase.semilogx(w, np.where(angle >= _LOWEST, angle, np.nan), **look)
+        nyquist.plot(response.real, response.imag, **look)
+        if margins is None:
+            continue
+        at = {**look, "linestyle": "solid", "linewidth": 1.4, "markersize": 7.0}
+        phase.plot([margins.gain_crossover] * 2, [-180.0, np.rad2deg(margins.phase) - 180.0], marker="_", **at)
         gain.plot(margins.gain_crossover, 1.0, "o", color=look["color"], markersize=5)
-        if margins.gain_lower > 0.0:
-            place = -1.0 / margins.gain_lower
-            nyquist.plot(
-                place,
-                0.0,
-                "s",
-                fillstyle="none",
-                color=look["color"],
-                label=f"lower gain margin {margins.gain_lower:.3g}",
-            )
+        for factor in (margins.gain_lower, margins.gain_upper):
+            if 0.0 < factor < np.inf:
+                nyquist.plot(-1.0 / factor, 0.0, "s", fillstyle="none", color=look["color"], zorder=8.0)
         circle = margins.modulus * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 200)) - 1.0
-        nyquist.plot(
-            circle.real,
-            circle.imag,
-            color=look["color"],
-            linewidth=0.8,
-            linestyle=":",
-            label=f"Ms = {margins.max_sensitivity:.3g}",
-        )
+        nyquist.plot(circle.real, circle.imag, color=look["color"], linewidth=0.8, linestyle=":")
     gain.axhline(1.0, color="#000000", linewidth=0.8)
     phase.axhline(-180.0, color="#000000", linewidth=0.8)
+    phase.set_yticks(np.arange(_LOWEST, 1.0, 90.0))
+    lowest = min(float(np.nanmin(line.get_ydata())) for line in phase.get_lines())
+    phase.set_ylim(max(_LOWEST, lowest - 15.0), -45.0)
     nyquist.plot(-1.0, 0.0, "k+", markersize=9)
     gain.set(ylabel="|L|, 1", title="loop transfer function L, cut at v")
     phase.set(xlabel="frequency, rad/s", ylabel="phase of L, degrees")
@@ -75,17 +59,26 @@ def loop_figure(loops: Loops) -> Figure:
         title="Nyquist plot, positive frequencies",
     )
     nyquist.set_aspect("equal")
-    gain.legend()
-    phase.legend()
-    nyquist.legend(loc="upper left")
+    figure.legend(loc="outside lower center", frameon=False)
     return figure
+
+
+def margins_text(margins: Margins | ResponseMargins | None) -> str:
+    """Margins of a loop in a line of a legend."""
+    if margins is None:
+        return "unstable"
+    upper = f" to {margins.gain_upper:.3g}" if np.isfinite(margins.gain_upper) else " and more"
+    return (
+        f"phase margin {np.rad2deg(margins.phase):.3g}° at {margins.gain_crossover:.3g} rad/s, "
+        f"gain times {margins.gain_lower:.3g}{upper}, Ms = {1.0 / margins.modulus:.3g}"
+    )
 
 
 def gang_of_four_figure(loops: Loops) -> Figure:
     """T, P S, C S and S of one chain over frequency."""
     figure = drawing.new_figure(9.0, 5.4)
     grid = figure.subplots(2, 2, sharex=True)
-    w = _frequencies(loops)
+    w = loop_frequencies(loops)
     labels = (("T, 1", "P S, s³"), ("C S, 1/s³", "S, 1"))
     for index, (name, loop) in enumerate(loops.items()):
         four = gang_of_four(loop.gain, omega=w)
@@ -121,6 +114,7 @@ def step_response_figure(loops: Loops) -> Figure:
     return figure
 
 
-def _frequencies(loops: Loops) -> np.ndarray[Any, np.dtype[np.float64]]:
+def loop_frequencies(loops: Loops) -> Frequencies:
+    """Frequencies (rad/s) that show what the poles of loops do."""
     sizes = np.concatenate([np.abs(loop.poles) for loop in loops.values()])
     return np.geomspace(0.02 * sizes.min(), 50.0 * sizes.max(), 800)

@@ -62,6 +62,10 @@ class AnalyzedLoop:
     bandwidth: float | None
     step: Mapping[str, Any] | None
 
+    def response(self, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """L(j w) at frequencies w (rad/s)."""
+        return np.asarray(loop_transfer(self.gain)(1j * frequency), dtype=np.complex128)
+
 
 @dataclass(frozen=True, eq=False)
 class AnalyzedLaw:

@@ -10,13 +10,13 @@ import numpy as np
 
 from brunovsky.analysis import (
     LimitCycle,
-    SwitchingLoop,
     predicted_cycles,
     predicted_robot_chatter,
     relay_cycles,
     sampled_chatter_band,
 )
 from brunovsky.comparison import drawing
+from brunovsky.comparison.chain_hardware import STRAIGHT, chain_hardware, chain_loop
 from brunovsky.comparison.facts import number, percent
 from brunovsky.comparison.figures.predicted_chatter import predicted_chatter_figure
 from brunovsky.comparison.metrics import tail, values
@@ -24,7 +24,6 @@ from brunovsky.comparison.protocol_section import ProtocolSection, Table
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.study import Law, PlannedRun
 
-STRAIGHT = 0.1  # rad; largest turn of the last quarter up to which a path counts as a straight line
 CLOSE = 0.1  # relative error up to which a prediction is told to agree
 AT_V, LOCUS, AT_U = "describing function at v", "relay locus at v", "describing function at u"
 STEPPED = "relay locus at v, half a step later"
@@ -122,12 +121,13 @@ def _of_run(run: Run, law: Law) -> Iterator[PredictedChatter]:
         return
     p = planned.parameters
     if period is not None:
-        if p["phi"] == 0.0 and not any((*_lags(planned), *_delays(planned))) and period * p["Q"] < 2.0:
+        if p["phi"] == 0.0 and not _is_late(planned) and period * p["Q"] < 2.0:
             yield PredictedChatter(run, SAMPLED, math.pi / period, sampled_chatter_band(p["Q"], p["P"], period))
         return
-    loop = _loop(planned)
-    if loop is None:
+    hardware = chain_hardware(planned)
+    if hardware is None:
         return
+    loop = chain_loop(planned, hardware, p["phi"])
     yield _cycle(run, AT_V, predicted_cycles(loop))
     if loop.boundary_layer == 0.0:
         yield _cycle(run, LOCUS, relay_cycles(loop))
@@ -147,34 +147,15 @@ def _cycle(run: Run, source: str, cycles: Sequence[LimitCycle]) -> PredictedChat
     return PredictedChatter(run, source, stable.frequency if stable else None, stable.amplitude if stable else None)
 
 
-def _loop(planned: PlannedRun) -> SwitchingLoop | None:
-    """One chain with the hardware of a run at v; None where the two commands differ."""
-    lags, delays, p = _lags(planned), _delays(planned), planned.parameters
-    if lags[0] != lags[1] or delays[0] != delays[1]:
-        return None
-    return SwitchingLoop(
-        (p["C[1]"], p["C[2]"], p["C[3]"]),
-        p["Q"],
-        p["P"],
-        p["phi"],
-        lags=(lags[0],) * planned.loop.hardware.number if lags[0] else (),
-        delay=delays[0],
-    )
-
-
-def _lags(planned: PlannedRun) -> tuple[float, float]:
-    return planned.parameters.get("lag[1]", 0.0), planned.parameters.get("lag[2]", 0.0)
-
-
-def _delays(planned: PlannedRun) -> tuple[float, float]:
-    return planned.parameters.get("delay[1]", 0.0), planned.parameters.get("delay[2]", 0.0)
-
-
 def _sampling(planned: PlannedRun) -> float | None:
     """Period at which a relay is looked at: that of the computer, or the step where nothing else delays it."""
     if planned.loop.hardware.period is not None:
         return planned.parameters["sampling_period"]
-    return None if any((*_lags(planned), *_delays(planned))) else planned.step_size
+    return None if _is_late(planned) else planned.step_size
+
+
+def _is_late(planned: PlannedRun) -> bool:
+    return any(planned.parameters.get(f"{name}[{k}]", 0.0) for name in ("lag", "delay") for k in (1, 2))
 
 
 def _heading(run: Run) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import itertools
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -17,7 +18,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from brunovsky.comparison.facts import given, power_of_ten
+from brunovsky.comparison.facts import power_of_ten
 from brunovsky.comparison.metrics import Array
 
 SETTINGS: Any = {
@@ -37,12 +38,16 @@ SETTINGS: Any = {
     "path.simplify": True,
     "path.simplify_threshold": 0.2,
 }
-_GRID = 216.0  # strokes an inch that are told apart in a phase portrait
 BINS = 500  # of the thinning; two values a bin
+_USES = re.compile(r'(xlink:href="#|url\(#)([^")]*)')
 _DECIMALS = re.compile(r"-?\d+\.\d{3,}")
 _PATHS, _PLACES = re.compile(r' d="[^"]*"'), re.compile(r"<use [^>]*>")
-_COMMANDS = re.compile(r" ?(\n?[MLQCz]) ?")
+_COMMANDS = re.compile(r"\s*([MLQCz])\s*")  # of a path, each on a line of its own in what matplotlib writes
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+_INCH, _CHARACTER, _HANDLE = 72.0, 5.1, 40.0  # points: of a letter in a legend, and of the line before each entry
+_WIDE = 3.0  # points; lines from there on are light, and lie at the back
 _FEW = 1e3  # ratio of the ends of a logarithmic axis with few powers of ten
+_FEWER = 1e2
 LARGEST = 1e12  # what a run that diverged is drawn up to
 
 
@@ -69,13 +74,39 @@ REFERENCE: dict[str, Any] = {"color": "#000000", "linewidth": 0.8, "linestyle": 
 
 
 def style(index: int) -> dict[str, Any]:
-    """Line properties of the law with this index in the study; beyond the styles, the same colours in dots of a row."""
-    turn, index = divmod(index, len(STYLES))
-    one = STYLES[index]
+    """Line properties of the law with this index in the study; beyond the styles, the dark ones in rows of dots."""
+    turn, place = divmod(index, len(STYLES))
+    one = STYLES[place]
     if turn:
-        dots = (0, (3, 1, *(1, 1) * (turn + index % 2)))
-        return {"color": one.color, "linewidth": 1.2, "linestyle": dots, "zorder": one.order + 5.0 * turn}
+        dots = (0, (3, 1, *(1, 1) * (turn + place % 2)))
+        color = marker_color(place)
+        return {"color": color, "linewidth": 1.2, "linestyle": dots, "zorder": one.order + 5.0 * turn}
     return {"color": one.color, "linewidth": one.width, "linestyle": one.dash, "zorder": one.order}
+
+
+def marks(index: int, points: int = 1) -> dict[str, Any]:
+    """A few markers along a line of so many points, for laws beyond the styles, which no dash would tell apart."""
+    if index < len(STYLES):
+        return {}
+    apart = max(points // 6, 1)
+    look = {"marker": _MARKERS[index % len(_MARKERS)], "markersize": 4.5, "markerfacecolor": "#ffffff"}
+    return {**look, "markevery": (int(0.37 * index % 1.0 * apart), apart)}
+
+
+def legend_columns(labels: Sequence[str], width: float, most: int) -> int:
+    """Largest number of columns, up to `most`, in which a legend fits a figure of this width (inches)."""
+    for columns in range(min(most, len(labels)), 1, -1):
+        rows = -(-len(labels) // columns)
+        widest = [max(map(len, labels[k : k + rows])) for k in range(0, len(labels), rows)]
+        if sum(_CHARACTER * one + _HANDLE for one in widest) <= _INCH * width:
+            return columns
+    return 1
+
+
+def marker_color(index: int) -> str:
+    """Colour of the markers of the series with this index: those of the styles, less the one too light for a marker."""
+    colors = [one.color for one in STYLES if one.width < _WIDE]
+    return colors[index % len(colors)]
 
 
 def thinned(time: Array, signal: Array, bins: int = BINS) -> tuple[Array, Array]:
@@ -148,34 +179,6 @@ def signed_scale(axes: Axes, which: str, linear: float, peak: float, most: int =
     _set_ticks(axis, [*(-tick for tick in ticks), 0.0, *reversed(ticks)])
 
 
-def drawn_once(axes: Axes, x: Array, y: Array) -> tuple[Array, Array]:
-    """A curve of a plane on axes with their final limits, without the strokes that only repeat earlier ones.
-
-    A stroke joins two points of a grid with a width of a third of a point (1/72 inch); where one is left out, the curve
-    is broken by not-a-number.
-    """
-    axes.get_xlim(), axes.get_ylim()  # limits that follow from what was drawn are set when they are asked for
-    points = axes.transData.transform(np.column_stack((x, y)))
-    cells = np.round(points * (_GRID / axes.figure.dpi)).astype(np.int64)
-    moved = np.concatenate(([True], np.any(cells[1:] != cells[:-1], axis=1)))
-    cells, x, y = cells[moved], x[moved], y[moved]
-    strokes = np.sort(np.stack((cells[:-1], cells[1:]), axis=1).reshape(-1, 2, 2), axis=1).reshape(-1, 4)
-    keep = np.zeros(len(strokes), dtype=bool)
-    keep[np.unique(strokes, axis=0, return_index=True)[1]] = True
-    gap = np.array([np.nan])
-    xs, ys = [x[:1]], [y[:1]]
-    for begin, end in _stretches(keep):
-        xs += [gap, x[begin : end + 1]]
-        ys += [gap, y[begin : end + 1]]
-    return np.concatenate(xs), np.concatenate(ys)
-
-
-def _stretches(keep: Any) -> list[tuple[int, int]]:
-    """Begin and end of each run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], keep.astype(int), [0]))))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
-
-
 def plain_decades(figure: Figure) -> None:
     """Plain text at the ticks of all logarithmic axes; between powers of ten only where there are few of these."""
     for axes in figure.axes:
@@ -185,9 +188,17 @@ def plain_decades(figure: Figure) -> None:
             low, high = sorted(axis.get_view_interval())
             axis.set_major_formatter(FuncFormatter(lambda value, _: power_of_ten(value)))
             few = high < _FEW * low
-            axis.set_minor_formatter(FuncFormatter(lambda value, _: given(value)) if few else NullFormatter())
+            axis.set_minor_formatter(FuncFormatter(lambda value, _: _short(value)) if few else NullFormatter())
             if few:
-                axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+                axis.set_minor_locator(LogLocator(subs=(2.0, 5.0) if high < _FEWER * low else (3.0,)))
+
+
+def _short(value: float) -> str:
+    """A multiple of a power of ten, as the label of an axis."""
+    if 1e-3 <= value < 1e4:
+        return f"{value:g}"
+    power = 10.0 ** np.floor(np.log10(value))
+    return f"{value / power:.3g}×{power_of_ten(power)}"
 
 
 def _set_ticks(axis: Axis, ticks: list[float]) -> None:
@@ -221,9 +232,10 @@ def svg(figure: Figure, key: str, title: str = "") -> str:
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
     text = re.sub(r' xmlns:(?:cc|dc|rdf)="[^"]*"', "", text)
-    text = re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{key}-", text)
+    text = _only_used_ids(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL), key)
     text = _PATHS.sub(lambda path: _COMMANDS.sub(r"\1", _DECIMALS.sub(_rounded, path[0])), text)
     text = _PLACES.sub(lambda use: _DECIMALS.sub(_rounded, use[0]), text)
+    text = re.sub(r"\n\s*", "\n", text)
     return described(text.strip(), title) if title else text.strip()
 
 
@@ -231,6 +243,13 @@ def described(text: str, title: str) -> str:
     """SVG element with what a screen reader says of it, unless it says something already."""
     opening = text[: text.index(">")]
     return text if "aria-label" in opening else text.replace("<svg", f'<svg role="img" aria-label="{escape(title)}"', 1)
+
+
+def _only_used_ids(text: str, key: str) -> str:
+    """SVG without the ids that nothing in it refers to; the others are numbered."""
+    used = {one: f"{key}.{k}" for k, one in enumerate(dict.fromkeys(name for _, name in _USES.findall(text)), 1)}
+    text = re.sub(r' id="([^"]*)"', lambda one: f' id="{used[one[1]]}"' if one[1] in used else "", text)
+    return _USES.sub(lambda one: one[1] + used[one[2]], text)
 
 
 def _rounded(match: re.Match[str]) -> str:

@@ -37,6 +37,19 @@ def test_the_linear_part_is_the_closed_loop_of_chain_lags_and_feedback(lags, sur
     np.testing.assert_allclose(transfer(1j * W), expected, rtol=1e-9)
 
 
+@pytest.mark.parametrize("switching", [0.0, 20.0])
+def test_the_loop_at_v_is_gain_times_chain_times_actuator_and_one_more_than_it_is_the_characteristic(switching):
+    plain = SwitchingLoop(C, Q, P)
+    expected = analysis.loop_transfer(analysis.sliding_gain(C, Q + switching * P))(1j * W)
+    np.testing.assert_allclose(plain.loop_response(W, switching), expected, rtol=1e-12)
+    loop = SwitchingLoop(C, Q, P, lags=(0.01, 0.004), delay=0.003)
+    actuator = control.tf([1], np.polymul([0.01, 1], [0.004, 1]))(1j * W) * np.exp(-0.003j * W)
+    np.testing.assert_allclose(loop.loop_response(W, switching), expected * actuator, rtol=1e-12)
+    held = SwitchingLoop(C, Q, P, lags=(0.01,), delay=0.003, sampling=0.005)
+    closed = held.characteristic(W, switching) / ((1j * W) ** 3 * (1 + 0.01j * W))
+    np.testing.assert_allclose(held.loop_response(W, switching), closed - 1.0, rtol=1e-6, atol=1e-9)
+
+
 def test_without_an_actuator_the_linear_part_is_that_of_the_reaching_law():
     np.testing.assert_allclose(SwitchingLoop(C, Q, P).frequency_response(W), P / (1j * W + Q), rtol=1e-9)
 

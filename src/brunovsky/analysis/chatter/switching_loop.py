@@ -131,6 +131,27 @@ class SwitchingLoop:
         numerator = self.switching_gain / self.surface[-1] * hold * np.polyval(self.surface[::-1], s)
         return np.asarray(numerator / self._characteristic(s, hold))
 
+    def loop_response(self, frequency: ArrayLike, switching: float = 0.0) -> NDArray[np.complex128]:
+        """L(j w) of the linear loop cut at v, G(s) (k(s) + (N P/cn) c(s)) / s^n, exact with a delay.
+
+        Parameters
+        ----------
+        frequency : array_like
+            w > 0 (rad/s), any shape.
+        switching : float
+            N, the gain that stands for f (1/unit of S): 0 for the linear part, 1/phi within a boundary layer.
+
+        Returns
+        -------
+        ndarray of complex, same shape
+            L, with the sign of negative feedback; without lags, delay and sampling it is `loop_transfer`. A hold
+            enters by its own response, as in `frequency_response`.
+        """
+        s = 1j * np.asarray(frequency, dtype=float)
+        gain = sliding_gain(self.surface, self.reaching_rate + switching * self.switching_gain)
+        chain_part = s**self.order * np.polyval(self._lag_polynomial(), s)
+        return np.asarray(self._dead_time_response(s) * np.polyval(gain[::-1], s) / chain_part)
+
     def characteristic(
         self, frequency: ArrayLike, switching: float = 0.0, latency: float = 0.0
     ) -> NDArray[np.complex128]:

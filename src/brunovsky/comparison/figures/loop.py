@@ -2,24 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing
-from brunovsky.comparison.analyze_loop_figures import loop_figure
+from brunovsky.comparison.analyze_loop_figures import Frequencies, loop_figure, loop_frequencies
 from brunovsky.comparison.analyzed_loops import analyzed_laws, loops_by_name
+from brunovsky.comparison.chain_hardware import ChainHardware
+from brunovsky.comparison.loop_curves import LoopCurve, loop_curves
 from brunovsky.comparison.study import Study
 
 
-def bode_figure(study: Study) -> Figure | None:
-    """Bode and Nyquist plots of the stable linear loops of a study, cut at v; None if none is stable."""
-    stable = {name: loop for name, loop in loops_by_name(analyzed_laws(study)).items() if loop.stable}
-    if not stable:
-        return None
-    figure = loop_figure(stable)
+def bode_figures(study: Study) -> tuple[Figure, ...]:
+    """Bode and Nyquist plots of the linear loops of a study, cut at v, with the hardware of its scenarios.
+
+    One figure of all loops where the hardware is the same everywhere, else one for each loop, with a curve for each
+    hardware.
+    """
+    found = loop_curves(study)
+    kinds = list(dict.fromkeys(hardware for curves in found.values() for hardware in curves))
+    if len(kinds) == 1:
+        suffix = "" if kinds == [ChainHardware().text] else f", {kinds[0]}"
+        groups = [{f"{name}{suffix}": curves[kinds[0]] for name, curves in found.items()}]
+    else:
+        groups = [{f"{name}, {hardware}": one for hardware, one in curves.items()} for name, curves in found.items()]
+    w = loop_frequencies({name: loop for name, loop in loops_by_name(analyzed_laws(study)).items() if name in found})
+    return tuple(_bode_figure(group, w) for group in groups if group)
+
+
+def _bode_figure(curves: Mapping[str, LoopCurve], w: Frequencies) -> Figure:
+    figure = loop_figure(curves, w)
     drawing.plain_decades(figure)
     return figure
 

@@ -45,14 +45,18 @@ def paths_figure(comparison: Comparison, scenarios: Sequence[Scenario], laws: Se
     spans = [_span(runs, name) for name in "xy"]
     width = 9.4 / count
     height = min(max((width - 0.5) * spans[1] / spans[0], 1.5), 6.0)
-    figure = drawing.new_figure(9.4, height + 1.1)
+    titles = [textwrap.fill(one.title, int(14 * width)) for one in scenarios]
+    top = 0.2 + 0.16 * max((one.count("\n") for one in titles), default=0)
+    tall = height + 0.55 + top
+    sides = {"left": 0.07, "right": 0.985, "bottom": 0.55 / tall, "top": 1.0 - top / tall}
+    figure = drawing.new_figure(9.4, tall, wspace=0.14, **sides)
     found: dict[int, Law] = {}
     regulation: set[bool] = set()
     row = np.atleast_1d(figure.subplots(1, count, sharex=True, sharey=True))
-    for axes, scenario in zip(row, scenarios, strict=True):
+    for axes, scenario, title in zip(row, scenarios, titles, strict=True):
         drawn = [one for one in drawable(comparison, scenario) if laws is None or one[1].name in laws]
         _draw_paths(axes, drawn, framed=False)
-        axes.set_title(textwrap.fill(scenario.title, int(14 * width)), loc="left")
+        axes.set_title(title, loc="left")
         found |= {index: law for index, law, _ in drawn}
         regulation |= {is_regulation(run) for _, _, run in drawn}
     for axes in row[1:]:
@@ -81,7 +85,7 @@ def _draw_paths(axes: Axes, laws: Drawn, *, framed: bool) -> None:
     for index, _, run in laws:
         x, y, _, _ = path_of(run)
         step = max(1, x.size // 8000)
-        axes.plot(x[::step], y[::step], **drawing.style(index))
+        axes.plot(x[::step], y[::step], **drawing.style(index), **drawing.marks(index, x[::step].size))
     if laws:
         run = max((run for _, _, run in laws), key=lambda one: path_of(one)[0].size)
         x, y, xd, yd = path_of(run)

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.drawing_once import drawn_once
 from brunovsky.comparison.figures.traces import START, Drawn, add_legend, draw_limits, drawable, layers, place_handles
 from brunovsky.comparison.metrics import Array, error_names, instants, values
 from brunovsky.comparison.run import Comparison, Run
@@ -19,7 +20,7 @@ _LINEAR = 0.01  # m/s2; up to it the axis of S is linear
 def phase_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     """(e, e') and (S, S') of both chains, over the whole run; dotted is the reaching law without disturbance."""
     laws = drawable(comparison, scenario)
-    figure = drawing.new_figure(9.4, 5.6, left=0.07, right=0.985, bottom=0.085, top=0.93, hspace=0.32, wspace=0.17)
+    figure = drawing.new_figure(9.4, 5.6, left=0.07, right=0.985, bottom=0.085, top=0.9, hspace=0.32, wspace=0.17)
     grid = figure.subplots(2, 2)
     for axes, k, name in zip(grid[0], (1, 2), "xy", strict=True):
         _draw_portrait(axes, [(index, *_error_plane(run, k)) for index, _, run in laws])
@@ -62,13 +63,16 @@ def _scale(axes: Axes, planes: list[tuple[int, Array, Array]], laws: Drawn) -> N
 def _draw_portrait(axes: Axes, planes: list[tuple[int, Array, Array]]) -> None:
     for _, x, y in planes:
         if axes.get_xscale() == "linear":
-            axes.plot(x, y, alpha=0.0)  # sets the limits
+            axes.update_datalim(np.column_stack((x, y)))
+            axes.autoscale_view()
+            axes.locator_params(axis="x", nbins=7)
             for axis in (axes.xaxis, axes.yaxis):
                 formatter = axis.get_major_formatter()
                 if isinstance(formatter, ScalarFormatter):  # not that of a signed logarithmic axis
                     formatter.set_powerlimits((-3, 4))
     for index, x, y in planes:
-        axes.plot(*drawing.drawn_once(axes, x, y), **drawing.style(index))
+        xs, ys = drawn_once(axes, x, y)
+        axes.plot(xs, ys, **drawing.style(index), **drawing.marks(index, xs.size))
         axes.plot(x[:1], y[:1], markerfacecolor="#ffffff", **START)
     axes.axhline(0.0, color="#7d878e", linewidth=0.6)
     axes.axvline(0.0, color="#7d878e", linewidth=0.6)

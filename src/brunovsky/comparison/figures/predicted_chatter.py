@@ -50,7 +50,7 @@ def predicted_chatter_figure(found: Sequence[Predicted]) -> Figure | None:
                 marker=MARKERS[index % len(MARKERS)],
                 fillstyle="none",
                 markersize=6.0 + 2.0 * index,
-                color=drawing.style(index)["color"],
+                color=drawing.marker_color(index),
                 label=source,
             )
         axes.set_title(title, loc="left")

@@ -82,7 +82,7 @@ def _draw_distance(axes: Axes, laws: Drawn, window: float) -> None:
     for index, _, run in laws:
         time, inside = shown(run, window)
         time, error = drawing.thinned(time, position_error(run.trajectory)[inside])
-        axes.plot(time, np.maximum(error, _SMALLEST_ERROR), **drawing.style(index))
+        axes.plot(time, np.maximum(error, _SMALLEST_ERROR), **drawing.style(index), **drawing.marks(index, time.size))
         highest = max(highest, float(np.max(error, initial=0.0)))
     drawing.limit_decades(axes, _SMALLEST_ERROR, highest, most=5)
     axes.axhline(SETTLED, **drawing.REFERENCE)

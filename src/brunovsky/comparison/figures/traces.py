@@ -16,10 +16,11 @@ from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.study import Law, Scenario
 
 Drawn = Sequence[tuple[int, Law, Run]]
-POINT: dict[str, Any] = {"linestyle": "none", "color": "#000000", "zorder": 8.0}
+POINT: dict[str, Any] = {"linestyle": "none", "color": "#000000", "zorder": 8.0, "clip_on": False}
 START = {**POINT, "marker": "o", "markersize": 6.0}
 END = {**POINT, "marker": "o", "markersize": 4.5}
-_LEGEND_ROW, _TITLE, _MARGIN = 0.19, 0.39, 0.08  # inches: a row of the legend, what is below it with and without titles
+# inches: a row of the legend, what is below it with and without titles, each further row of these
+_LEGEND_ROW, _TITLE, _MARGIN, _TITLE_ROW = 0.19, 0.39, 0.08, 0.16
 TARGET = {**POINT, "marker": "x", "markersize": 7.0, "markeredgewidth": 1.8}
 
 
@@ -57,7 +58,8 @@ def draw_signal(axes: Axes, laws: Drawn, name: str, window: float) -> None:
         if name not in run.trajectory:
             continue
         time, inside = shown(run, window)
-        axes.plot(*drawing.thinned(time, values(run.trajectory, name)[inside]), **drawing.style(index))
+        time, signal = drawing.thinned(time, values(run.trajectory, name)[inside])
+        axes.plot(time, signal, **drawing.style(index), **drawing.marks(index, time.size))
     axes.set_xlim(0.0, window)
     axes.set_xlabel("time, s")
 
@@ -76,8 +78,13 @@ def layers(laws: Drawn) -> list[float]:
 
 def add_legend(figure: Figure, laws: Sequence[tuple[int, Law]], more: Sequence[Line2D] = ()) -> None:
     """Legend of the laws, above everything."""
-    handles = [Line2D([], [], label=law.title or law.name, **drawing.style(index)) for index, law in laws] + list(more)
-    columns = min(len(handles), 4 if figure.get_figwidth() > 9.0 else 3)
+    handles = [
+        Line2D([], [], label=law.title or law.name, **drawing.style(index), **drawing.marks(index))
+        for index, law in laws
+    ]
+    handles += more
+    labels, width = [str(one.get_label()) for one in handles], float(figure.get_figwidth())
+    columns = drawing.legend_columns(labels, width, 4 if width > 9.0 else 3)
     _make_room(figure, -(-len(handles) // columns))
     figure.legend(handles=handles, loc="outside upper center", ncols=columns, frameon=False, columnspacing=1.4)
 
@@ -87,8 +94,8 @@ def _make_room(figure: Figure, rows: int) -> None:
     if figure.get_layout_engine() is not None:
         return
     height, sides = float(figure.get_figheight()), figure.subplotpars
-    titled = any(axes.get_title(loc="left") for axes in figure.axes)
-    needed = _LEGEND_ROW * rows + (_TITLE if titled else _MARGIN)
+    lines = max(len(axes.get_title(loc="left").splitlines()) for axes in figure.axes)
+    needed = _LEGEND_ROW * rows + (_TITLE + _TITLE_ROW * (lines - 1) if lines else _MARGIN)
     grown = max(0.0, needed - (1.0 - sides.top) * height)
     if grown > 0.0:
         figure.set_figheight(height + grown)

@@ -76,10 +76,10 @@ def equal_effort_figure(result: EqualEffort, titles: Titles | None = None) -> Fi
             values = [trial.value(metric) or 0.0 for trial in result.tuned.values()]
             value = one.trial.value(metric) if one.trial is not None else None
             if value is not None and max(map(abs, values)) > 0.0:
-                bars.plot(
-                    [value / max(map(abs, values))], [row + 0.12 * (index % 3 - 1)], linestyle="none", **_marker(index)
-                )
-    bars.set_yticks(range(len(metrics)), [_marked(one, result.step_sensitive, units=False) for one in metrics])
+                place = row + min(0.12, 0.7 / len(result.tunings)) * (index - 0.5 * (len(result.tunings) - 1))
+                bars.plot([value / max(map(abs, values))], [place], linestyle="none", **_marker(index))
+    names = [_marked(one, result.step_sensitive, units=False).replace(" (", "\n(") for one in metrics]
+    bars.set_yticks(range(len(metrics)), names)
     bars.set_ylim(len(metrics) - 0.5, -0.5)
     bars.set_xlim(left=min(0.0, bars.get_xlim()[0]))
     bars.set_title("metrics at equal effort, over the largest", loc="left")
@@ -199,7 +199,13 @@ def _knob(trial: Trial, name: str) -> float:
 
 def _line(index: int) -> dict[str, Any]:
     size = _size(index)
-    return drawing.style(index) | {"marker": MARKERS[index % len(MARKERS)], "markersize": size}
+    return drawing.style(index) | {"marker": MARKERS[index % len(MARKERS)], "markersize": size} | _hollow(index)
+
+
+def _hollow(index: int) -> dict[str, Any]:
+    """Markers of laws beyond the styles are hollow, of those yet further on grey."""
+    turn = index // len(drawing.STYLES)
+    return {"markerfacecolor": "#ffffff" if turn % 2 else "#9aa4ab"} if turn else {}
 
 
 def _size(index: int) -> float:
@@ -211,12 +217,12 @@ def _marker(index: int) -> dict[str, Any]:
     one = drawing.STYLES[index % len(drawing.STYLES)]
     return {
         "marker": MARKERS[index % len(MARKERS)],
-        "color": one.color,
+        "color": drawing.style(index)["color"],
         "markeredgecolor": "#000000",
         "markeredgewidth": 0.5,
         "markersize": _size(index) + 1.0,
         "zorder": one.order,
-    }
+    } | _hollow(index)
 
 
 def _marked(metric: str, step_sensitive: frozenset[str], *, units: bool = True) -> str:
@@ -245,4 +251,6 @@ def _scale_knob(axes: Axes, values: Sequence[float]) -> None:
 
 def _legend(figure: Figure, laws: Sequence[str], titles: Titles | None) -> None:
     handles = [Line2D([], [], label=(titles or {}).get(law) or law, **_line(index)) for index, law in enumerate(laws)]
-    figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4), frameon=False)
+    labels = [str(one.get_label()) for one in handles]
+    columns = drawing.legend_columns(labels, float(figure.get_figwidth()), 4)
+    figure.legend(handles=handles, loc="outside upper center", ncols=columns, frameon=False)

@@ -90,7 +90,8 @@ def _lines(result: Map, titles: Titles) -> Figure:
     for axes in panels[len(result.metrics) :]:
         axes.set_visible(False)
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 4), frameon=False)
+    columns = drawing.legend_columns(labels, float(figure.get_figwidth()), 4)
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns, frameon=False)
     drawing.plain_decades(figure)
     return figure
 

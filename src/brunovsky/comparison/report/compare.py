@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from brunovsky.comparison.output import write_bytes, write_text
 from brunovsky.comparison.protocol_section import ProtocolSection
 from brunovsky.comparison.protocol_sections import protocol_data, protocol_sections, trial_tables
 from brunovsky.comparison.report.data import metrics_data
 from brunovsky.comparison.report.files import csv_text, trace_bytes, trace_name
+from brunovsky.comparison.report.manifest import ReportFolder
 from brunovsky.comparison.report.page import render, report_content
 from brunovsky.comparison.report.pdf import pdf_bytes, require_pdf
 from brunovsky.comparison.run import Comparison, Progress, run_study
@@ -87,6 +87,9 @@ def write_report(
 ) -> ReportFiles:
     """Write a report and what is kept beside it, each file complete or not at all.
 
+    Files of an earlier report in the folder that this one does not write are removed, as far as ``manifest.json`` names
+    them and they have not been changed since.
+
     Parameters
     ----------
     comparison : Comparison
@@ -121,16 +124,16 @@ def write_report(
         traces=tuple(folder / trace_name(run) for run in traced),
         tables=tuple(folder / "tables" / f"{table.name}.csv" for table in tables),
     )
-    for path in (folder, *(one.parent for one in (*written.traces, *written.tables))):
-        path.mkdir(parents=True, exist_ok=True)
+    files = ReportFolder(folder)
     for path, run in zip(written.traces, traced, strict=True):
-        write_bytes(path, trace_bytes(comparison, run))
+        files.write(path, trace_bytes(comparison, run))
     for path, table in zip(written.tables, tables, strict=True):
-        write_text(path, csv_text(table))
-    write_text(written.report, page)
+        files.write(path, csv_text(table).encode())
+    files.write(written.report, page.encode())
     if written.pdf is not None and printed is not None:
-        write_bytes(written.pdf, printed)
+        files.write(written.pdf, printed)
     if written.protocols is not None:
-        write_text(written.protocols, protocols)
-    write_text(written.metrics, metrics)
+        files.write(written.protocols, protocols.encode())
+    files.write(written.metrics, metrics.encode())
+    files.finish()
     return written

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from brunovsky.comparison import drawing, figures
-from brunovsky.comparison.facts import given, joined
+from brunovsky.comparison.chain_hardware import ChainHardware, uncovered
+from brunovsky.comparison.facts import joined, number
 from brunovsky.comparison.figures import DescribingFunction
 from brunovsky.comparison.linear_part import linear_loops, motion_on_surface, shares_one_linear_part
 from brunovsky.comparison.protocol_section import Table
@@ -38,20 +39,23 @@ def linear_section(study: Study) -> LinearSection:
     pictures = []
     if loops:
         pictures.append(Picture(drawing.svg(figures.poles_figure(named), "poles", poles), poles, narrow=True))
-    bode = figures.bode_figure(study)
-    if bode is not None:
-        text = (
-            "Bode and Nyquist plot of the linear loops, one chain cut at v. Ticks: the phase margin; squares: the "
-            "lower "
-            "gain margin; dotted circles: the distance of the curve from −1."
-        )
-        pictures.append(Picture(drawing.svg(bode, "bode", text), text))
+    limits = " ".join(uncovered(study))
+    bode = figures.bode_figures(study)
+    text = (
+        "Bode and Nyquist plot of the linear loops, one chain cut at v, with the hardware of the scenarios. Dots and "
+        "ticks: gain crossover and phase margin; squares: gain margins; dotted circles: the distance of the curve from "
+        f"−1. {limits}"
+    ).strip()
+    for k, figure in enumerate(bode, 1):
+        key = "bode" if len(bode) == 1 else f"bode-{k}"
+        pictures.append(Picture(drawing.svg(figure, key, text), text))
     found = figures.describing_functions(study)
     if found:
         text = (
-            "Nyquist plot of the linear part W(jω) that the switching element closes, and −1/N(A) of the relay or "
-            "saturation, which begins at the tick. Without actuator, delay or sampling."
-        )
+            "Nyquist plot of the linear part W(jω) that the switching element closes, with the hardware of the "
+            "scenarios, and −1/N(A) of the relay or saturation, which begins at the tick. Where they meet there is a "
+            f"limit cycle. {limits}"
+        ).strip()
         pictures.append(
             Picture(drawing.svg(figures.describing_function_figure(found), "describing-function", text), text)
         )
@@ -66,22 +70,29 @@ def linear_section(study: Study) -> LinearSection:
 
 
 def _predictions(found: Sequence[DescribingFunction]) -> tuple[str, ...]:
-    """What the describing functions say of chatter, for each law."""
-    quiet = [f"“{one.law}”" for one in found if not one.cycles]
+    """What the describing functions say of chatter, for each law and hardware."""
+    quiet: dict[str, list[str]] = {}
+    for one in found:
+        if not one.cycles:
+            quiet.setdefault(one.law, []).append(f"with {one.hardware}")
     sentences = []
-    if quiet:
+    for some in dict.fromkeys(tuple(dict.fromkeys(one)) for one in quiet.values()):
+        laws = [f"“{law}”" for law, where in quiet.items() if tuple(dict.fromkeys(where)) == some]
+        own = f"with {ChainHardware().text}"
+        rest = f" What a run {own} shows all the same comes from its step." if own in some else ""
         sentences.append(
-            f"−1/N(A) and W(jω) of {joined(quiet)} do not meet: in continuous time and without actuator the describing "
-            "function predicts no chatter, so that whatever a run shows comes from its step, or from what its "
-            "actuators "
-            "and samplings add."
+            f"−1/N(A) and W(jω) of {joined(laws)} do not meet {joined(list(some))}: there the describing function "
+            f"predicts no chatter.{rest}"
         )
     for one in found:
         cycles = [
-            f"{'a stable' if cycle.stable else 'an unstable'} one of {given(cycle.amplitude)} m/s² in S at "
-            f"{given(cycle.frequency)} rad/s"
+            f"{'a stable' if cycle.stable else 'an unstable'} one of {number(cycle.amplitude)} m/s² in S at "
+            f"{number(cycle.frequency)} rad/s"
             for cycle in one.cycles
         ]
         if cycles:
-            sentences.append(f"For “{one.law}” the describing function predicts limit cycles: {joined(cycles)}.")
-    return tuple(sentences)
+            sentences.append(
+                f"For “{one.law}” with {one.hardware} ({', '.join(one.scenarios)}) the describing function predicts "
+                f"limit cycles: {joined(cycles)}."
+            )
+    return tuple(dict.fromkeys(sentences))

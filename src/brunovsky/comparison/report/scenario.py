@@ -60,7 +60,7 @@ _FIGURES: tuple[tuple[FigureName, str, Callable[[Comparison, Scenario], Figure],
         "rate over "
         "each step, to the end. Dotted: the reaching law S′ = −Q S − P σ(S) of the paper’s laws without disturbance, "
         "and the boundary layer. A "
-        "stroke that only repeats an earlier one is drawn once.",
+        "stroke that only covers what earlier ones cover is left out.",
     ),
 )
 
