@@ -16,6 +16,24 @@ hypothesis.settings.register_profile("untimed", deadline=None)  # no test fails 
 hypothesis.settings.load_profile("untimed")
 
 
+SPREAD = (
+    "test_shipped_studies.py",
+    "test_linearized_plants.py",
+    "test_faults.py",
+    "test_shipped.py",
+    "test_relatives.py",
+)
+"""Files of long tests that share nothing: each goes to whichever worker is free."""
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Other files go to one worker whole, which makes blocks, FMUs and runs once for them (``--dist loadgroup``)."""
+    for one in items:
+        if one.path.name not in SPREAD and not one.get_closest_marker("xdist_group"):
+            one.add_marker(pytest.mark.xdist_group(one.path.as_posix()))
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _compile_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     before = os.environ.get("BRUNOVSKY_CACHE")

@@ -23,7 +23,9 @@ def check_chains(name: str, block: Block, values: dict[str, float], inputs: Mapp
         assert error < 1e-6, variable
 
 
-@pytest.mark.parametrize("name", GALLERY)
+@pytest.mark.parametrize(
+    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one == "quadrotor")) for one in GALLERY]
+)
 def test_chains_of_the_block_integrate_v(name: str) -> None:
     block, inputs = gallery_block(name)
     check_chains(name, block, random_start(name, seed=0)[0], inputs)

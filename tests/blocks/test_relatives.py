@@ -432,7 +432,7 @@ def test_engines_agree(name: str) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(one, marks=() if one in ("sliding_sector", "backstepping") else pytest.mark.slow) for one in LAWS],
+    [pytest.param(one, marks=() if one == "sliding_sector" else pytest.mark.slow) for one in LAWS],
 )
 def test_fmu_gives_the_native_simulation(name: str, tmp_path: Path) -> None:
     loop = loop_of(name)

@@ -248,6 +248,7 @@ def test_tighter_limits_scale_the_time(loop: Block) -> None:
     assert np.abs(data["u[2]"]).max() <= 2.0
 
 
+@pytest.mark.slow  # the engines agree at each transition in test_rest_to_rest_transitions.py
 def test_numpy_and_c_agree(loop: Block) -> None:
     values = AT_ORIGIN | {"x_start": 0.5, "y_start": -0.5, "goal_heading": 0.4}
     native, plain = (br.simulate(loop, 0.3, step_size=2e-3, parameters=values, record=RECORD, engine=engine)

@@ -101,10 +101,10 @@ def test_a_reference_without_end_is_tracked_from_elsewhere(
 @pytest.mark.parametrize(
     ("name", "values", "end"),
     [
-        ("waypoints", {}, (3.0, 1.0)),
+        pytest.param("waypoints", {}, (3.0, 1.0), marks=slow),
         pytest.param("waypoints, free", {}, (3.0, 1.0), marks=slow),
         pytest.param("polynomial", {}, (0.0, 2.0), marks=slow),
-        pytest.param("polynomial", SIDEWAYS, (1.0, 2.0), marks=slow),
+        ("polynomial", SIDEWAYS, (1.0, 2.0)),
         pytest.param("polynomial", {"start_time": 3.0, "duration": 1.0}, (0.0, 2.0), marks=slow),
         pytest.param("polynomial, free", {}, (0.0, 2.0), marks=slow),
     ],

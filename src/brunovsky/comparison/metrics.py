@@ -7,7 +7,7 @@ distance between the robot and its reference. Everything is in SI units; `defini
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -100,7 +100,7 @@ class Metrics:
 
     def as_dict(self) -> dict[str, float | None]:
         """The same by name, ready for JSON."""
-        return asdict(self)
+        return dict(vars(self))
 
 
 def compute_metrics(

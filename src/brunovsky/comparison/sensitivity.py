@@ -39,8 +39,8 @@ def facts_of(run: Run) -> Facts:
 def both(run: Run, name: str) -> tuple[float | None, float | None]:
     """A metric or fact of a run, and the same at half the step."""
     half = run.half_step
-    if name in run.metrics.as_dict():
-        return run.metrics.as_dict()[name], None if half is None else half.metrics.as_dict()[name]
+    if name in vars(run.metrics):
+        return getattr(run.metrics, name), None if half is None else getattr(half.metrics, name)
     return getattr(run.facts, name, None), None if half is None else getattr(half.facts, name, None)
 
 

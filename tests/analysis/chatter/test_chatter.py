@@ -78,7 +78,7 @@ def test_prediction_on_a_part_of_the_grid():
     check(chatter_table(loops))
 
 
-@pytest.mark.parametrize("fraction", [0.9, 0.97, 0.99])
+@pytest.mark.parametrize("fraction", [0.9, 0.97, pytest.param(0.99, marks=pytest.mark.slow)])
 def test_prediction_next_to_the_loss_of_stability(fraction):
     loops = []
     for surface, rate in itertools.product(SURFACES[:7], (0.5, 5.0)):

@@ -155,6 +155,7 @@ def test_guard_that_is_wide_makes_singular_starts_which_the_forecast_knows() -> 
     assert (came == "singular").mean() > 0.8
 
 
+@pytest.mark.slow
 def test_driven_more_slowly_it_keeps_within_limits_on_the_same_path() -> None:
     poses, forecast, runs = both(24)
     limits = (0.5, 2.0, 30.0)

@@ -10,6 +10,9 @@ part of the controller, and the forward actuator. The controller computes the ch
 its own u1. The linearisation holds where the law isn't guarded, abs(eta1) > eta_min.
 """
 
+from collections.abc import Callable
+from functools import lru_cache
+
 import control
 import numpy as np
 import sympy as sp
@@ -50,11 +53,10 @@ def actuator_loop(gain: ArrayLike, motion: SteadyMotion) -> control.StateSpace:
     ----------
     The paper's eqs. (9), (12)-(16), corrected, and (19).
     """
-    A, B, C = _matrices(gain, motion, "actuator_loop")
-    numbers = (np.array(one, dtype=float) for one in (A, B, -C))
+    A, B, C = _evaluated()(*_values(gain, motion, "actuator_loop").values())
     states = ["forward", "left", "theta", "eta[1]", "eta[2]", "u[1]"]
     returned = [f"{one}_return" for one in ACTUATORS]
-    return control.ss(*numbers, 0, inputs=list(ACTUATORS), outputs=returned, states=states, name="L_u")
+    return control.ss(A, B, -C, 0, inputs=list(ACTUATORS), outputs=returned, states=states, name="L_u")
 
 
 def actuator_loop_transfer(gain: ArrayLike, motion: SteadyMotion, actuator: int) -> control.TransferFunction:
@@ -92,7 +94,9 @@ def actuator_loop_transfer(gain: ArrayLike, motion: SteadyMotion, actuator: int)
     where = "actuator_loop_transfer"
     if isinstance(actuator, bool) or actuator not in (1, 2):
         raise ParameterError(f"{where}: actuator = {actuator!r}; pass 1 for u1 (forward) or 2 for u2 (yaw)")
-    A, B, C = _matrices(gain, motion, where)
+    loop = opened_loop()
+    exact = {one: sp.Rational(number) for one, number in _values(gain, motion, where).items()}
+    A, B, C = (part.subs(exact) for part in (loop.A, loop.B, loop.C))
     cut, other = actuator - 1, 2 - actuator
     s = sp.Symbol("s")
     working = A + B[:, other] * C[other, :]
@@ -134,8 +138,17 @@ def return_difference(loop: control.StateSpace) -> control.StateSpace:
     return control.ss(loop.A, loop.B, loop.C, loop.D + np.eye(loop.ninputs), name="I + L", **names)
 
 
-def _matrices(gain: ArrayLike, motion: SteadyMotion, where: str) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
-    """A, B and C of the opened loop in exact rational numbers."""
+@lru_cache
+def _evaluated() -> Callable[..., tuple[NDArray[np.float64], ...]]:
+    """A, B and C of the opened loop as a function of speed, yaw rate and gains."""
+    loop = opened_loop()
+    symbols = [loop.speed, loop.yaw_rate, *(one for gain in loop.gains for one in gain)]
+    found: Callable[..., tuple[NDArray[np.float64], ...]] = sp.lambdify(symbols, (loop.A, loop.B, loop.C))
+    return found
+
+
+def _values(gain: ArrayLike, motion: SteadyMotion, where: str) -> dict[sp.Symbol, float]:
+    """What the symbols of the opened loop stand for: speed, yaw rate, then the gains in the frame of the motion."""
     if not isinstance(motion, SteadyMotion):
         raise ParameterError(
             f"{where}: motion = {motion!r} is no SteadyMotion; pass SteadyMotion(speed, yaw_rate), or "
@@ -151,13 +164,12 @@ def _matrices(gain: ArrayLike, motion: SteadyMotion, where: str) -> tuple[sp.Mat
     loop = opened_loop()
     cosine, sine = (round(float(one), 15) for one in (np.cos(motion.heading), np.sin(motion.heading)))
     to_body = np.array([[-sine, cosine], [-cosine, -sine]])
-    exact = {loop.speed: sp.Rational(motion.speed), loop.yaw_rate: sp.Rational(motion.yaw_rate)}
+    values = {loop.speed: float(motion.speed), loop.yaw_rate: float(motion.yaw_rate)}
     for k, symbols in enumerate(loop.gains):
         same = rows[0, k] == rows[1, k]
         value = rows[0, k] * np.eye(2) if same else to_body @ np.diag(rows[:, k]) @ to_body.T
-        exact |= {one: sp.Rational(float(number)) for one, number in zip(symbols, value.flat, strict=True)}
-    A, B, C = (part.subs(exact) for part in (loop.A, loop.B, loop.C))
-    return A, B, C
+        values |= dict(zip(symbols, map(float, value.flat), strict=True))
+    return values
 
 
 def _axis_gains(gain: ArrayLike, where: str) -> NDArray[np.float64]:

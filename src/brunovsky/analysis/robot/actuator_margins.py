@@ -175,13 +175,15 @@ def _lagging(A: Matrix, B: Matrix, C: Matrix, tau: float, lags: int) -> Matrix:
 def _delay(A: Matrix, B: Matrix, C: Matrix, closed: NDArray[Any]) -> float:
     """Shortest T for which an eigenvalue of L(j w) exp(-j w T) is -1."""
 
-    def loci(w: float) -> NDArray[np.complex128]:
-        found = np.linalg.eigvals(C @ np.linalg.solve(1j * w * np.eye(len(A)) - A, B))
-        return np.asarray(found[np.argsort(np.abs(found))])
+    def loci(w: ArrayLike) -> NDArray[np.complex128]:
+        """Eigenvalues by magnitude, a row for each frequency."""
+        shifted = 1j * np.multiply.outer(w, np.eye(len(A))) - A
+        found = np.linalg.eigvals(C @ np.linalg.solve(shifted, np.broadcast_to(B, (*shifted.shape[:-2], *B.shape))))
+        return np.asarray(np.take_along_axis(found, np.argsort(np.abs(found), axis=-1), axis=-1))
 
     size = np.abs(closed)
     grid = frequencies(tuple(closed), 1e-3 * float(np.min(size)), 1e3 * float(np.max(size)))
-    values = np.array([np.log(np.abs(loci(float(w)))) for w in grid])
+    values = np.log(np.abs(loci(grid)))
     delays = []
     for i in range(B.shape[1]):
 
