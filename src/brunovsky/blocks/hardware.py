@@ -36,6 +36,11 @@ def acting(one: Variable) -> Variable:
     return with_suffix(one, "acting", "as it acts on the inner loop")
 
 
+def computed(one: Variable) -> Variable:
+    """What a computer that samples found for an output: ``S_computed[1]`` for ``S[1]``."""
+    return with_suffix(one, "computed", "as computed at the last sample")
+
+
 def wired(
     name: str,
     description: str,

@@ -23,9 +23,6 @@ from brunovsky.comparison.study.signals import Array
 from brunovsky.errors import SimulationError
 from brunovsky.native import simulate
 
-COMPUTED = ("e1[1]", "e1[2]", "e2[1]", "e2[2]", "S[1]", "S[2]", "v[1]", "v[2]")
-"""What a law computes from measurements, as it does at its samples."""
-
 
 @dataclass(frozen=True)
 class Status:
@@ -229,10 +226,9 @@ def failed(trajectory: xr.Dataset, text: str) -> Outcome:
 def check_outcome(outcome: Outcome, planned: PlannedRun) -> Outcome:
     """Call a trajectory that is not finite diverged from its first such instant on, whatever the engine said.
 
-    Where the loop has a goal and records no error, the distance to the goal is its position error. What a computer that
-    samples has computed is held until its next sample.
+    Where the loop has a goal and records no error, the distance to the goal is its position error.
     """
-    trajectory = _as_computed(_with_distance(outcome.trajectory, planned), planned)
+    trajectory = _with_distance(outcome.trajectory, planned)
     table = np.array([np.asarray(one.values, dtype=float) for one in trajectory.data_vars.values()])
     finite = np.isfinite(table).all(axis=0)
     if finite.all() or outcome.status.state != "ok":
@@ -241,23 +237,6 @@ def check_outcome(outcome: Outcome, planned: PlannedRun) -> Outcome:
     time = float(trajectory["time"][first])
     message = f"the trajectory is not finite from t = {time:g} s on"
     return Outcome(trajectory.isel(time=slice(0, first)), Status("diverged", time, message))
-
-
-def _as_computed(trajectory: xr.Dataset, planned: PlannedRun) -> xr.Dataset:
-    """Errors, S and v held between the samples of a computer, which compares no held measurement with what moves on.
-
-    Where its samples are not among the instants recorded, these are not known, and left out.
-    """
-    if planned.loop.hardware.period is None:
-        return trajectory
-    own = [name for name in COMPUTED if name in trajectory]
-    share = planned.parameters["sampling_period"] / planned.step_size
-    if abs(share - round(share)) > 1e-6 * share or "position_error[1]" not in trajectory:
-        return trajectory.drop_vars(own)
-    steps = np.round(trajectory["time"].values / planned.step_size).astype(int)
-    last = np.arange(len(steps)) - steps % max(round(share), 1)
-    held = {name: trajectory[name].copy(data=trajectory[name].values[last]) for name in own}
-    return trajectory.assign(held)
 
 
 def _with_distance(trajectory: xr.Dataset, planned: PlannedRun) -> xr.Dataset:

@@ -8,14 +8,15 @@ import sympy as sp
 
 from brunovsky.blocks.block import Block
 from brunovsky.blocks.diagram import Diagram
-from brunovsky.blocks.hardware import measured
+from brunovsky.blocks.hardware import computed, measured
 from brunovsky.blocks.library.chains import ROBOT_CHAINS, Chains
 from brunovsky.blocks.library.errors import errors
 from brunovsky.blocks.library.outer_loops import sliding_mode
 from brunovsky.blocks.library.outer_loops.surface_map import PERIOD
 from brunovsky.blocks.library.references import circle, set_point
 from brunovsky.blocks.library.robot import linearized_robot
-from brunovsky.blocks.variables import symbol
+from brunovsky.blocks.library.sampling import computer
+from brunovsky.blocks.variables import Output, symbol
 
 _POSITIONS = ("x", "y")
 FIGURE_6_OUTSIDE = {"x_start": 2.5, "eta_start[1]": 0.5}
@@ -34,6 +35,7 @@ def closed_loop(
     output of that name, an input of the plant by the controller. What nothing feeds is an input of the diagram.
     From a plant behind sensors (:func:`robot_with_hardware`) the controller gets what is measured, ``x_measured``
     for ``x``; so are the chains, and ``e1``, ``e2``. The true errors of the robot are ``position_error[1..2]`` then.
+    Where such a plant samples, ``e1``, ``e2`` and what the controller gives are those of the last sample.
 
     Parameters
     ----------
@@ -68,12 +70,20 @@ def closed_loop(
         "plant": body,
         "errors": errors(chains, _POSITIONS if chains == ROBOT_CHAINS and is_measured else ()),
     }
+    period = next((one.value for one in body.parameters if one.name == PERIOD.name), None)
+    if is_measured and period is not None:
+        parts["computer"] = computer(_results(parts["errors"], parts["controller"]), period)
     provided = {key: {one.name for one in parts[key].outputs} for key in parts}
-    sources = {"controller": ("reference", "plant"), "plant": ("controller",), "errors": ("reference", "plant")}
+    sources: dict[str, tuple[str, ...]] = {
+        "controller": ("reference", "plant"),
+        "plant": ("controller",),
+        "errors": ("reference", "plant"),
+        "computer": ("errors", "controller"),
+    }
     connections: dict[str, str] = {}
     inputs: dict[str, list[str]] = {}
     for target, candidates in sources.items():
-        for one in parts[target].inputs:
+        for one in parts[target].inputs if target in parts else ():
             names = (measured(one).name, one.name) if target == "controller" else (one.name,)
             pairs = ((key, name) for key in candidates for name in names if name in provided[key])
             if source := next(pairs, None):
@@ -84,6 +94,11 @@ def closed_loop(
     outputs["controller"].sort(key={one.name for one in body.inputs}.__contains__)  # v after S
     taken = {symbol(one) for one in (*inputs, *(state.name for state in body.states))}
     shown = _exported(outputs, taken - {symbol(one) for one in outputs["plant"]})
+    if "computer" in parts:
+        found = {
+            connections[f"computer.{one.name}"]: f"computer.{computed(one).name}" for one in parts["computer"].inputs
+        }
+        shown = {name: found.get(behind, behind) for name, behind in shown.items()}
     own = {key: [one.name for one in parts[key].parameters] for key in ("plant", "reference", "controller")}
     return Diagram(
         name,
@@ -92,9 +107,15 @@ def closed_loop(
         connections=connections,
         inputs=inputs,
         outputs=shown,
-        parameters=_with_one_period(_exported(own, taken | {symbol(one) for one in shown})),
+        parameters=_with_one_period(_exported(own, taken | {symbol(one) for one in shown}), "computer" in parts),
         values=FIGURE_6_OUTSIDE if plant is None else {},
     )
+
+
+def _results(*parts: Block) -> list[Output]:
+    """What a computer finds: real outputs, but for the true errors, which it doesn't know."""
+    found = [one for part in parts for one in part.outputs]
+    return [one for one in found if not one.is_boolean and not one.name.startswith("position_error")]
 
 
 def _exported(names: Mapping[str, Sequence[str]], taken: Collection[sp.Symbol]) -> dict[str, str]:
@@ -109,10 +130,14 @@ def _exported(names: Mapping[str, Sequence[str]], taken: Collection[sp.Symbol]) 
     return exported
 
 
-def _with_one_period(parameters: Mapping[str, str]) -> dict[str, str | Sequence[str]]:
-    """A reference known one sample ahead and its outer loop share their sampling period."""
-    periods = tuple(f"{component}.{PERIOD.name}" for component in ("reference", "controller"))
+def _with_one_period(parameters: Mapping[str, str], computed: bool) -> dict[str, str | Sequence[str]]:
+    """Periods that are one: of a reference known one sample ahead and its outer loop, of a plant and its computer."""
+    found: dict[str, str | Sequence[str]] = dict(parameters)
     names = {behind: name for name, behind in parameters.items()}
-    if not set(periods) <= set(names):
-        return dict(parameters)
-    return {name: behind for name, behind in parameters.items() if behind not in periods} | {names[periods[0]]: periods}
+    ahead, own, plant = (f"{component}.{PERIOD.name}" for component in ("reference", "controller", "plant"))
+    if {ahead, own} <= set(names):
+        del found[names[own]]
+        found[names[ahead]] = (ahead, own)
+    if computed:
+        found[names[plant]] = (plant, f"computer.{PERIOD.name}")
+    return found
