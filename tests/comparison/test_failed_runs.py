@@ -2,10 +2,12 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from brunovsky.comparison import load_study, run_study, write_report
 from brunovsky.comparison.engines import recorded
+from brunovsky.comparison.metrics import position_error
 
 
 @pytest.fixture(params=["native", "fmpy"])
@@ -42,3 +44,11 @@ def test_the_trajectory_until_the_failure_is_kept(failed):
 def test_both_engines_end_alike(failed):
     if failed.engine == "fmpy":
         assert all(run.agreement.same_status for run in failed.runs)
+
+
+def test_a_robot_that_is_lost_has_diverged_though_its_numbers_are_finite(small, failing):
+    small.write_text(small.read_text() + failing.replace("duration_s = 100.0", "duration_s = 2.5"))
+    away = next(run for run in run_study(load_study(small)).runs if run.planned.name == "away/linear")
+    assert away.status.state == "diverged" and away.facts is None
+    assert away.status.message.startswith("the position error exceeds 1000 m from t = ")
+    assert np.all(position_error(away.trajectory) <= 1e3) and away.trajectory.sizes["time"] > 100

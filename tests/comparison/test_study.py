@@ -1,12 +1,13 @@
 """Study files: what they mean, and what is said about those that cannot be used."""
 
+import hashlib
 import pickle
 from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
 
-from brunovsky.comparison import load_study
+from brunovsky.comparison import load_study, run_study
 from brunovsky.comparison.study.keys import input_keys, parameter_keys, unit_suffix
 from brunovsky.errors import StudyError
 
@@ -47,13 +48,20 @@ def test_a_study_resolves_to_runs_of_every_scenario_under_every_law(small):
     assert dict(linear.inputs) == {"d[1]": 0.0, "d[2]": 0.0}
 
 
-def test_the_digest_follows_what_is_simulated_and_nothing_else(small):
-    digest = load_study(small).digest()
-    text = small.read_text()
-    small.write_text(text.replace('title = "Circle"', 'title = "Round"'))
-    assert load_study(small).digest() == digest
+def test_the_digest_is_that_of_the_study_as_it_is_resolved(small):
+    study, text = load_study(small), small.read_text()
+    assert study.digest() == hashlib.sha256(study.resolved().encode()).hexdigest()
+    small.write_text(f"step_size_s = {study.step_size_s}  # the default\n{text}")
+    assert load_study(small).digest() == study.digest()
     small.write_text(text.replace(START, "x_start_m = 1.01"))
-    assert load_study(small).digest() != digest
+    assert load_study(small).digest() != study.digest()
+    assert study.run_by("fmpy").digest() != study.digest() == study.run_by("native").digest()
+
+
+def test_an_engine_does_not_pass_by_the_file_of_a_study(small):
+    small.write_text('fmu = "own.fmu"\n' + small.read_text().replace('engine = "native"', 'engine = "fmpy"'))
+    with pytest.raises(StudyError, match=r"engine 'native' does not run the study's own file; leave engine 'fmpy', or"):
+        run_study(load_study(small), engine="native")
 
 
 def test_a_study_is_frozen_and_pickles(small):

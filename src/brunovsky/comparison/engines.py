@@ -17,11 +17,14 @@ import numpy as np
 import xarray as xr
 
 from brunovsky.blocks.engine import step_count
+from brunovsky.comparison.metrics import position_error
 from brunovsky.comparison.opened import RECORDED, OpenedFmu, check_variables, open_fmu, recorded, release
 from brunovsky.comparison.study import Loop, PlannedRun
 from brunovsky.comparison.study.signals import Array
 from brunovsky.errors import SimulationError
 from brunovsky.native import simulate
+
+LOST = 1e3  # m; a position error beyond which, if it did not start there, a robot is lost
 
 
 @dataclass(frozen=True)
@@ -224,18 +227,24 @@ def failed(trajectory: xr.Dataset, text: str) -> Outcome:
 
 
 def check_outcome(outcome: Outcome, planned: PlannedRun) -> Outcome:
-    """Call a trajectory that is not finite diverged from its first such instant on, whatever the engine said.
+    """Call a trajectory that is not finite, or lost, diverged from its first such instant on, whatever the engine said.
+
+    Lost is a position error above 1 km and a hundred times that at the start.
 
     Where the loop has a goal and records no error, the distance to the goal is its position error.
     """
     trajectory = _with_distance(outcome.trajectory, planned)
     table = np.array([np.asarray(one.values, dtype=float) for one in trajectory.data_vars.values()])
     finite = np.isfinite(table).all(axis=0)
-    if finite.all() or outcome.status.state != "ok":
+    error = np.nan_to_num(position_error(trajectory), nan=np.inf) if trajectory.sizes["time"] else np.empty(0)
+    bound = max(LOST, 100.0 * error[0]) if error.size else LOST
+    fine = finite & (error <= bound)
+    if fine.all() or outcome.status.state != "ok":
         return Outcome(trajectory, outcome.status)
-    first = int(np.argmin(finite))
+    first = int(np.argmin(fine))
     time = float(trajectory["time"][first])
-    message = f"the trajectory is not finite from t = {time:g} s on"
+    what = f"the position error exceeds {bound:g} m" if finite[first] else "the trajectory is not finite"
+    message = f"{what} from t = {time:g} s on"
     return Outcome(trajectory.isel(time=slice(0, first)), Status("diverged", time, message))
 
 

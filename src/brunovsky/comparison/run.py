@@ -164,6 +164,7 @@ def run_study(
     plan = study.plan()
     native = NativeSimulation()
     chosen = engine or study.engine
+    study = study.run_by(chosen)
     if chosen == "ssp":
         try:
             check_communication(study)

@@ -19,7 +19,7 @@ def with_lines(study: Path, lines: str) -> Path:
 def test_chosen_metrics_and_figures_alone_are_shown(small, tmp_path) -> None:
     everything = load_study(small)
     study = load_study(with_lines(small, 'metrics = ["iae", "settling_time"]\nfigures = ["errors"]'))
-    assert study.digest() == everything.digest()  # the same simulations
+    assert study.plan() == everything.plan()  # the same simulations
     comparison = run_study(study)
     content = report_content(comparison)
     assert content.overall.columns[3:] == ("settling time to 1 cm, s", "IAE, integral of the position error, m s")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
@@ -128,7 +127,7 @@ def render(content: Content, medium: Medium) -> str:
             comparison.engine, comparison.provenance, [one.agreement for one in comparison.runs if one.agreement]
         ),
         provenance=provenance,
-        resolved=json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False),
+        resolved=study.resolved(),
         step_note=step_note(comparison.engine),
     )  # fmt: skip
 

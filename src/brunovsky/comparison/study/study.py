@@ -279,12 +279,29 @@ class Study(StudyTable):
         tables = shortened_tables(self.model_dump(exclude_none=True), duration_s)
         return Study.model_validate(tables, context={"kinds": _kinds(tables)})
 
+    def resolved(self) -> str:
+        """The study with all defaults, as JSON."""
+        return json.dumps(self.model_dump(mode="json"), indent=1, ensure_ascii=False)
+
     def digest(self) -> str:
-        """SHA-256 of the resolved runs: equal for studies that ask for the same simulations."""
-        runs = [one.resolved() for one in self.plan()]
-        protocols = [one.model_dump(mode="json") for one in self.protocols]
-        asked = json.dumps([runs, protocols] if protocols else runs, sort_keys=True)
-        return hashlib.sha256(asked.encode()).hexdigest()
+        """SHA-256 of the resolved study, as a report prints it."""
+        return hashlib.sha256(self.resolved().encode()).hexdigest()
+
+    def run_by(self, engine: EngineName) -> Study:
+        """The same study under an engine.
+
+        Raises
+        ------
+        StudyError
+            If the study names a file that this engine does not run.
+        """
+        if (self.fmu or self.ssp) and not self._own(engine):
+            named = f'fmu = "{self.fmu}"' if self.fmu else f'ssp = "{self.ssp}"'
+            raise StudyError(
+                f"study '{self.name}': engine '{engine}' does not run the study's own file; leave engine "
+                f"'{self.engine}', or remove {named}"
+            )
+        return self if engine == self.engine else self.model_copy(update={"engine": engine})
 
 
 def load_study(path: str | Path) -> Study:
