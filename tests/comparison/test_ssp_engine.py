@@ -11,6 +11,7 @@ import brunovsky as br
 from brunovsky import analysis, cli
 from brunovsky.comparison import Comparison, load_study, run_study, write_report
 from brunovsky.comparison.agreement import common_instants
+from brunovsky.comparison.sensitivity import sensitivity
 from brunovsky.comparison.ssp_engine import opened_ssps
 from brunovsky.comparison.study import Loop
 from brunovsky.errors import StudyError
@@ -199,6 +200,15 @@ def test_a_file_of_one_s_own_is_compared_as_another_model(files: Path, engine: s
     written = write_report(comparison, files / f"out_{engine}")
     text = " ".join(written.report.read_text(encoding="utf-8").split())
     assert "this compares two models" in text and file in comparison.provenance[engine.replace("fmpy", "fmu")]
+
+
+def test_what_a_file_of_one_s_own_owes_to_the_step_is_told_by_the_file(files: Path) -> None:
+    """Not by the native loop, which here has no lags."""
+    plant = br.blocks.robot_with_hardware(lags=0.01)
+    br.export_fmu(br.blocks.closed_loop(plant=plant), files / "lagged.fmu", fmi_version=2)
+    for run in run_study(load_study(studied(files, 'fmu = "lagged.fmu"'))).runs:
+        assert run.agreement.basis == "models" and run.agreement.position > 1e-3
+        assert abs(sensitivity(run, "total_variation_u2")) < 0.05
 
 
 @pytest.mark.parametrize(

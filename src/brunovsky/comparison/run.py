@@ -19,6 +19,7 @@ from brunovsky.comparison.agreement import Agreement
 from brunovsky.comparison.cross_check import agreement_with
 from brunovsky.comparison.engines import (
     Engine,
+    FmuSimulation,
     NativeSimulation,
     Outcome,
     Status,
@@ -29,7 +30,7 @@ from brunovsky.comparison.facts import Facts, compute_facts
 from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.protocol_runs import ProtocolRun, run_protocol
 from brunovsky.comparison.protocols import step_sensitive_metrics
-from brunovsky.comparison.ssp_engine import opened_ssps
+from brunovsky.comparison.ssp_engine import SspSimulation, opened_ssps
 from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
 from brunovsky.comparison.study.communication import check_communication
 from brunovsky.errors import StudyError
@@ -42,7 +43,7 @@ _PACKAGES = ("brunovsky", "numpy", "sympy", "control", "xarray", "matplotlib")
 
 @dataclass(frozen=True)
 class HalfStep:
-    """The native simulation of a run at half its step, and nothing else changed.
+    """A run at half its step: natively, through a file of the user's own if that is what ran.
 
     Attributes
     ----------
@@ -205,13 +206,17 @@ def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
     outcome = check_outcome(engine.run(planned), planned)
     agreement = None if engine is native else agreement_with(native, planned, engine, outcome)
     metrics, facts = _measured(planned, outcome)
-    half = _half_step(planned, native) if facts is not None else None
+    half = _half_step(planned, engine, native) if facts is not None else None
     return Run(planned, outcome.trajectory, outcome.status, metrics, agreement, facts, half)
 
 
-def _half_step(planned: PlannedRun, native: NativeSimulation) -> HalfStep:
+def _half_step(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> HalfStep:
+    """The run at half the step: natively, or through the user's own file if that ran, as another model tells nothing."""
     finer = replace(planned, step_size=0.5 * planned.step_size)
-    return HalfStep(*_measured(finer, check_outcome(native.run(finer), finer)))
+    if isinstance(engine, SspSimulation) and engine.own:
+        return HalfStep(*_measured(planned, check_outcome(engine.halved().run(planned), planned)))
+    twin = engine if isinstance(engine, FmuSimulation) and engine.own else native
+    return HalfStep(*_measured(finer, check_outcome(twin.run(finer), finer)))
 
 
 def _measured(planned: PlannedRun, outcome: Outcome) -> tuple[Metrics, Facts | None]:
