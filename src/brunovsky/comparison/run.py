@@ -211,7 +211,7 @@ def _run(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> Run:
 
 
 def _half_step(planned: PlannedRun, engine: Engine, native: NativeSimulation) -> HalfStep:
-    """The run at half the step: natively, or through the user's own file if that ran, as another model tells nothing."""
+    """The run at half the step, natively or through the user's own file, of which another model tells nothing."""
     finer = replace(planned, step_size=0.5 * planned.step_size)
     if isinstance(engine, SspSimulation) and engine.own:
         return HalfStep(*_measured(planned, check_outcome(engine.halved().run(planned), planned)))
