@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from brunovsky.comparison.growth import ROUNDING, grows
 from brunovsky.errors import ParameterError
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -20,7 +21,6 @@ AtHalfStep = Literal["", "as found", "lost later", "lost earlier"]
 
 CONTRACTS = 0.9  # error of the last quarter over that of the quarter before, up to which a run still converges
 GROWS = 1.1  # and from which a run within its bound is growing
-ROUNDING = 1e-9  # m; a smaller error may grow by rounding alone
 MOVES = 0.05  # relative change at half of the step up to which a margin is said to be that of the loop
 
 
@@ -75,8 +75,9 @@ def bounded_at_the_end(time: Array, error: Array, bound: float, still: float = R
     """Whether a complete run counts as stable.
 
     Let E3 and E4 be the largest errors in the third and the last quarter of the duration. The run is stable if the
-    error still contracts, E4 <= 0.9 E3, or stays within the bound without growing, E4 <= bound and E4 <= 1.1 E3, where
-    an error below `still` does not count as growing. A run that is not finite is not stable.
+    error still contracts, E4 <= 0.9 E3, or stays within the bound without growing: E4 <= bound and E4 <= 1.1 E3, and
+    its root mean square does not rise over each of the last four eighths of the duration, by 5 % in all. An error below
+    `still` does not count as growing. A run that is not finite is not stable.
 
     Parameters
     ----------
@@ -85,14 +86,17 @@ def bounded_at_the_end(time: Array, error: Array, bound: float, still: float = R
     bound : float
         Error that may remain (m): chatter and unmatched disturbances leave one for ever.
     still : float
-        Error that may grow (m): that of rounding, or of chatter, which is not the same in each quarter.
+        Error that may grow (m): that of rounding, or of chatter, which is not the same in each part. What grows slowly
+        below it is not seen.
     """
     if time.size < 2 or not np.isfinite(error).all():
         return False
     half, quarter = (time[0] + share * (time[-1] - time[0]) for share in (0.5, 0.75))
     third, last = error[(time >= half) & (time < quarter)], error[time >= quarter]
     before, after = float(np.max(np.abs(third), initial=0.0)), float(np.max(np.abs(last), initial=0.0))
-    return after <= CONTRACTS * before or (after <= bound and after <= max(GROWS * before, still))
+    if after <= CONTRACTS * before:
+        return True
+    return after <= bound and after <= max(GROWS * before, still) and not grows(time, error, still)
 
 
 def bisect_margin(stable: Callable[[float], bool], low: float, high: float, rtol: float = 0.01) -> MeasuredMargin:

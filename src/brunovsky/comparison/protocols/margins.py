@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from brunovsky.comparison.facts import joined, percent
+from brunovsky.comparison.growth import ROUNDING
 from brunovsky.comparison.measured_margins import MOVES, MeasuredMargin, bisect_margin, checked_at_half_step
 from brunovsky.comparison.output import plain
-from brunovsky.comparison.protocols.explanation import MARGINS, Explanation
+from brunovsky.comparison.protocols.explanation import MARGINS, Explanation, margins_explained
 from brunovsky.comparison.protocols.margin_rows import CUTS, QUANTITIES, MarginRow, Quantity, value_told
 
 FIRST_TRIED = 9  # values between the ends, of which the first that is not stable is bisected towards the one before
@@ -134,6 +135,7 @@ def margins_of(
     times: tuple[float, float],
     bound: float,
     tolerance: float,
+    still: float = ROUNDING,
     finer: Stable | None = None,
 ) -> MeasuredLoopMargins:
     """Measure every margin of every law by bisection.
@@ -150,6 +152,8 @@ def margins_of(
         Ends of what is tried: factors about 1; s.
     bound, tolerance : float
         See :class:`MeasuredLoopMargins`.
+    still : float
+        Error that may grow under a law that chatters (m).
     finer : Stable, optional
         Makes the same run at half of the step; tells the margins of the laws from those of the step.
     """
@@ -165,7 +169,7 @@ def margins_of(
                     if finer is not None:
                         found = checked_at_half_step(partial(finer, law, cut, one.change), found)
                 rows.append(MarginRow(law, cut, one, found, *predictions.get((law, cut, one.name), (None, None))))
-    return MeasuredLoopMargins(tuple(rows), bound, tolerance)
+    return MeasuredLoopMargins(tuple(rows), bound, tolerance, margins_explained(bound, still))
 
 
 def _measured(
