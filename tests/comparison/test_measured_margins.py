@@ -30,11 +30,32 @@ K = np.array([2500.0, 550.0, 15.0])
         (np.exp(TIME), False),
         (np.where(TIME > 7.0, np.nan, 0.0), False),
         (np.where(TIME > 7.9, 1.0, 0.0), False),
+        (3e-5 * np.exp(0.03 * TIME) * np.abs(np.sin(21.0 * TIME)), False),
+        (3e-5 * np.exp(0.005 * TIME) * np.abs(np.sin(21.0 * TIME)), True),
     ],
-    ids=["decays", "slow", "chatters", "rest", "rounding", "remains", "creeps", "grows", "nan", "late"],
+    ids=[
+        "decays",
+        "slow",
+        "chatters",
+        "rest",
+        "rounding",
+        "remains",
+        "creeps",
+        "grows",
+        "nan",
+        "late",
+        "slowly",
+        "stays",
+    ],
 )
 def test_what_counts_as_stable(error, stable):
     assert bounded_at_the_end(TIME, error, bound=0.01) is stable
+
+
+def test_what_grows_slowly_below_the_bound_is_unstable_unless_it_may_be_chatter():
+    error = 3e-5 * np.exp(0.15 * TIME) * np.abs(np.sin(21.0 * TIME))
+    assert not bounded_at_the_end(TIME, error, bound=2e-3)
+    assert bounded_at_the_end(TIME, error, bound=2e-3, still=1e-3)
 
 
 @pytest.mark.parametrize(("low", "high"), [(1.0, 100.0), (0.0, 100.0)])

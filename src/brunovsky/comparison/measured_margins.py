@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from brunovsky.comparison.growth import ROUNDING, grows
 from brunovsky.errors import ParameterError
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -20,7 +21,8 @@ AtHalfStep = Literal["", "as found", "lost later", "lost earlier"]
 
 CONTRACTS = 0.9  # error of the last quarter over that of the quarter before, up to which a run still converges
 GROWS = 1.1  # and from which a run within its bound is growing
-ROUNDING = 1e-9  # m; a smaller error may grow by rounding alone
+SCANNED = 20  # numbers between the start and a margin at which an earlier loss is looked for
+SPREAD = 10.0  # ratio of the two beyond which these are spaced in the logarithm
 MOVES = 0.05  # relative change at half of the step up to which a margin is said to be that of the loop
 
 
@@ -41,6 +43,9 @@ class MeasuredMargin:
     at_half_step : str
         What both ends of the bracket do in runs with half of the step: ``"as found"``, or stability is ``"lost later"``
         or ``"lost earlier"`` there, so that what was found is the step's; empty where this was not tried.
+    stands_again_to : float or None
+        Last number up to which the loop is stable again beyond a first loss, which `value` is then; None where no loss
+        was found below.
     """
 
     value: float | None
@@ -48,6 +53,7 @@ class MeasuredMargin:
     runs: int
     reason: str = ""
     at_half_step: AtHalfStep = ""
+    stands_again_to: float | None = None
 
 
 @dataclass(frozen=True)
@@ -75,8 +81,9 @@ def bounded_at_the_end(time: Array, error: Array, bound: float, still: float = R
     """Whether a complete run counts as stable.
 
     Let E3 and E4 be the largest errors in the third and the last quarter of the duration. The run is stable if the
-    error still contracts, E4 <= 0.9 E3, or stays within the bound without growing, E4 <= bound and E4 <= 1.1 E3, where
-    an error below `still` does not count as growing. A run that is not finite is not stable.
+    error still contracts, E4 <= 0.9 E3, or stays within the bound without growing: E4 <= bound and E4 <= 1.1 E3, and
+    its root mean square does not rise over each of the last four eighths of the duration, by 5 % in all. An error below
+    `still` does not count as growing. A run that is not finite is not stable.
 
     Parameters
     ----------
@@ -85,14 +92,17 @@ def bounded_at_the_end(time: Array, error: Array, bound: float, still: float = R
     bound : float
         Error that may remain (m): chatter and unmatched disturbances leave one for ever.
     still : float
-        Error that may grow (m): that of rounding, or of chatter, which is not the same in each quarter.
+        Error that may grow (m): that of rounding, or of chatter, which is not the same in each part. What grows slowly
+        below it is not seen.
     """
     if time.size < 2 or not np.isfinite(error).all():
         return False
     half, quarter = (time[0] + share * (time[-1] - time[0]) for share in (0.5, 0.75))
     third, last = error[(time >= half) & (time < quarter)], error[time >= quarter]
     before, after = float(np.max(np.abs(third), initial=0.0)), float(np.max(np.abs(last), initial=0.0))
-    return after <= CONTRACTS * before or (after <= bound and after <= max(GROWS * before, still))
+    if after <= CONTRACTS * before:
+        return True
+    return after <= bound and after <= max(GROWS * before, still) and not grows(time, error, still)
 
 
 def bisect_margin(stable: Callable[[float], bool], low: float, high: float, rtol: float = 0.01) -> MeasuredMargin:
@@ -130,6 +140,38 @@ def bisect_margin(stable: Callable[[float], bool], low: float, high: float, rtol
         inside, outside = (middle, outside) if stable(middle) else (inside, middle)
         runs += 1
     return MeasuredMargin(inside, outside, runs)
+
+
+def first_loss(
+    stable: Callable[[float], bool], found: MeasuredMargin, start: float, rtol: float = 0.01
+) -> MeasuredMargin:
+    """A margin, or the first loss of stability before it, where there is one.
+
+    Tried are 20 numbers between the start and the margin, evenly spaced, or in the logarithm where they
+    are more than tenfold apart. A loop that is unstable at one of them is not stable up to the margin.
+
+    Parameters
+    ----------
+    stable : function of float
+        Whether the loop is stable for a number.
+    found : MeasuredMargin
+        From :func:`bisect_margin`; one without a value is returned as it is.
+    start : float
+        Number at which the loop is stable, from which the margin was sought.
+    rtol : float
+        Relative width of the bracket of the first loss.
+    """
+    end = found.value
+    if end is None or end == start:
+        return found
+    spaced = np.geomspace if start > 0.0 and end / start > SPREAD else np.linspace
+    before = start
+    for count, one in enumerate(spaced(start, end, SCANNED + 2)[1:-1].tolist(), 1):
+        if not stable(one):
+            first = bisect_margin(stable, min(before, one), max(before, one), rtol)
+            return replace(first, runs=found.runs + count + first.runs, stands_again_to=end)
+        before = one
+    return replace(found, runs=found.runs + SCANNED)
 
 
 def checked_at_half_step(stable: Callable[[float], bool], found: MeasuredMargin) -> MeasuredMargin:

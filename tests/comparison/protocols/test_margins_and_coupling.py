@@ -42,6 +42,23 @@ def test_the_first_loss_is_found_where_a_loop_is_stable_again_beyond():
     assert found.found[0].measured.value == pytest.approx(0.01, rel=0.01)
 
 
+@pytest.mark.parametrize("hole", [(2e-3, 2.3e-3), (6.5e-3, 7.5e-3)])
+def test_a_hole_below_the_place_found_is_the_first_loss_and_no_margin(hole):
+    def holed(_law, _cut, change, size):
+        return change == "gain" or (size < 0.0115 and not hole[0] < size < hole[1])
+
+    result = measured({"delay": 0.0115}, changes=["delay"], stand_in=holed)
+    found = result.found[0]
+    assert found.measured.value == pytest.approx(hole[0], rel=0.01)
+    assert found.measured.stands_again_to == pytest.approx(0.0115, rel=0.01)
+    assert found.difference is None and found.as_row()["measured"].startswith("none: lost above")
+    words = " ".join(result.findings())
+    assert "already lost at" in words and "stands again up to 11." in words and "1 of 1" not in words
+    assert [line.get_fillstyle() for axes in margins_figure(result).axes for line in axes.get_lines()].count(
+        "none"
+    ) == 1
+
+
 def test_what_is_said_follows_the_numbers():
     close = measured({"delay": 0.0183, "gain_lower": 0.3}).findings()[-1]
     assert "Of 2 margins" in close and "2 agree" in close and "falls shortest" not in close

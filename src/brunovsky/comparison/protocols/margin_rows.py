@@ -79,12 +79,19 @@ class MarginRow:
 
     @property
     def of_law(self) -> float | None:
-        """The margin where it is the law's; None where none was found or the step of the simulation decides on it."""
-        return None if self.bound else self.measured.value
+        """The margin where it is the law's; None where there is none or the step of the simulation decides on it."""
+        return None if self.bound or self.regained else self.measured.value
+
+    @property
+    def regained(self) -> bool:
+        """Whether stability is lost, and regained beyond, so that there is no margin."""
+        return self.measured.stands_again_to is not None
 
     @property
     def bound(self) -> str:
-        """How a margin on which the step decides is told, such as "at least"; empty for one of the law."""
+        """How a margin on which the step decides is told, such as "at least"; empty for one of the law or none."""
+        if self.regained:
+            return ""
         words = {"lost later": ("at least", "at most"), "lost earlier": ("less than", "more than")}
         pair = words.get(self.measured.at_half_step)
         return "" if pair is None else pair[self.quantity.falling]
@@ -98,13 +105,14 @@ class MarginRow:
     def as_row(self) -> dict[str, Any]:
         """Cells of a table, times in ms."""
         scale = 1.0 if self.quantity.unit == "1" else 1e3
-        lost = self.measured.unstable_from
+        lost, again = self.measured.unstable_from, self.measured.stands_again_to
         return {
             "law": self.law,
             "at": self.cut,
             "margin": self.quantity.title + ("" if scale == 1.0 else ", ms"),
             "measured": self._cell(scale),
             "lost at": None if lost is None else scale * lost,
+            "stands again to": None if again is None else scale * again,
             "at half the step": self.measured.at_half_step or None,
             "predicted, P = 0": _shown(self.predicted, scale),
             "predicted within the layer": _shown(self.within_layer, scale),
@@ -114,6 +122,8 @@ class MarginRow:
     def _cell(self, scale: float) -> float | str:
         if self.measured.value is None:
             return self.measured.reason
+        if self.regained:
+            return f"none: lost {'below' if self.quantity.falling else 'above'} {number(scale * self.measured.value)}"
         return f"{self.bound} {number(scale * self.measured.value)}" if self.bound else scale * self.measured.value
 
 

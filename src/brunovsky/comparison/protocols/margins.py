@@ -11,9 +11,16 @@ from typing import Any
 import numpy as np
 
 from brunovsky.comparison.facts import joined, percent
-from brunovsky.comparison.measured_margins import MOVES, MeasuredMargin, bisect_margin, checked_at_half_step
+from brunovsky.comparison.growth import ROUNDING
+from brunovsky.comparison.measured_margins import (
+    MOVES,
+    MeasuredMargin,
+    bisect_margin,
+    checked_at_half_step,
+    first_loss,
+)
 from brunovsky.comparison.output import plain
-from brunovsky.comparison.protocols.explanation import MARGINS, Explanation
+from brunovsky.comparison.protocols.explanation import MARGINS, Explanation, margins_explained
 from brunovsky.comparison.protocols.margin_rows import CUTS, QUANTITIES, MarginRow, Quantity, value_told
 
 FIRST_TRIED = 9  # values between the ends, of which the first that is not stable is bisected towards the one before
@@ -80,6 +87,9 @@ class MeasuredLoopMargins:
             text += f"; the one that falls shortest is {_told(worst)} under “{worst.law}”"
         if stepped:
             text += f"; {stepped} more {'is' if stepped == 1 else 'are'} limited by the step of the simulation"
+        holes = sum(one.regained for one in self.found)
+        if holes:
+            text += f"; {holes} more {'is' if holes == 1 else 'are'} no margin, as the loop fails below and stands more"
         return [*told, f"{text}."]
 
     def _of_law(self, law: str) -> list[str]:
@@ -116,6 +126,10 @@ class MeasuredLoopMargins:
                 f"Under “{law}” the limit found is that of the integration, not of the law: {which}; at half the step "
                 f"stability is lost more than {percent(MOVES)} away."
             )
+        holes = [one for one in rows if one.regained]
+        if holes:
+            which = joined([f"{_name(one)}, {_regained(one)}" for one in holes])
+            told.append(f"“{law}” loses the scenario, and stands it again beyond, which is no margin: {which}.")
         none = [one for one in rows if one.measured.value is None and one.predicted and one.predicted != float("inf")]
         if none:
             which = joined([f"{_name(one)} ({one.measured.reason})" for one in none])
@@ -134,6 +148,7 @@ def margins_of(
     times: tuple[float, float],
     bound: float,
     tolerance: float,
+    still: float = ROUNDING,
     finer: Stable | None = None,
 ) -> MeasuredLoopMargins:
     """Measure every margin of every law by bisection.
@@ -150,6 +165,8 @@ def margins_of(
         Ends of what is tried: factors about 1; s.
     bound, tolerance : float
         See :class:`MeasuredLoopMargins`.
+    still : float
+        Error that may grow under a law that chatters (m).
     finer : Stable, optional
         Makes the same run at half of the step; tells the margins of the laws from those of the step.
     """
@@ -165,7 +182,7 @@ def margins_of(
                     if finer is not None:
                         found = checked_at_half_step(partial(finer, law, cut, one.change), found)
                 rows.append(MarginRow(law, cut, one, found, *predictions.get((law, cut, one.name), (None, None))))
-    return MeasuredLoopMargins(tuple(rows), bound, tolerance)
+    return MeasuredLoopMargins(tuple(rows), bound, tolerance, margins_explained(bound, still))
 
 
 def _measured(
@@ -176,7 +193,7 @@ def _measured(
     tolerance: float,
 ) -> MeasuredMargin:
     if one.change == "gain":
-        low, high = (1.0, gains[0]) if one.falling else (1.0, gains[1])
+        low, high = 1.0, gains[0] if one.falling else gains[1]
     else:
         low, high = times
     tried = np.geomspace(low, high, FIRST_TRIED).tolist()
@@ -187,7 +204,7 @@ def _measured(
         count += 1
         if not stable(after):
             found = bisect_margin(stable, min(before, after), max(before, after), tolerance)
-            return replace(found, runs=found.runs + count)
+            return first_loss(stable, replace(found, runs=found.runs + count), low, tolerance)
     return MeasuredMargin(None, None, count, f"none to {value_told(high, one)}")
 
 
@@ -207,6 +224,15 @@ def _name(one: MarginRow) -> str:
 def _told(one: MarginRow) -> str:
     measured, predicted = (value_told(value, one.quantity) for value in (one.measured.value, one.predicted))
     return f"{_name(one)}, {measured} measured for {predicted}"
+
+
+def _regained(one: MarginRow) -> str:
+    """The first loss and what is beyond, in words; where the step moves the loss it says so."""
+    lost, again = (
+        value_told(value, one.quantity) for value in (one.measured.unstable_from, one.measured.stands_again_to)
+    )
+    moved = "" if one.measured.at_half_step in ("", "as found") else " (at half the step the loss is elsewhere)"
+    return f"already lost at {lost}{moved}, stands again {'down' if one.quantity.falling else 'up'} to {again}"
 
 
 def _value(one: MarginRow) -> str:

@@ -15,7 +15,7 @@ from brunovsky.comparison.protocols.margins import MeasuredLoopMargins
 
 
 def margins_figure(result: MeasuredLoopMargins, titles: Titles | None = None) -> Figure:
-    """One panel for each limited margin: markers measured (open: by the step), bars for P = 0, crosses in layers."""
+    """One panel for each limited margin: markers measured (open: no margin), bars for P = 0, crosses in layers."""
     quantities = list(dict.fromkeys(one.quantity for one in result.found if _shown(one)))
     cuts = list(dict.fromkeys(one.cut for one in result.found))
     columns = min(max(len(quantities), 1), 3)
@@ -32,7 +32,7 @@ def margins_figure(result: MeasuredLoopMargins, titles: Titles | None = None) ->
             if one.within_layer and one.within_layer != float("inf"):
                 axes.plot([scale * one.within_layer], [place], "x", color="#555555", markersize=7.0)
             if one.measured.value is not None:
-                look = _point(index) | ({"fillstyle": "none"} if one.bound else {})
+                look = _point(index) | ({"fillstyle": "none"} if one.bound or one.regained else {})
                 axes.plot([scale * one.measured.value], [place], MARKERS[index % len(MARKERS)], **look)
         axes.set_title(quantity.title + ("" if scale == 1.0 else ", ms"), loc="left")
         axes.set_yticks(range(len(places)), [f"{law} {CUTS[cut]}" for law, cut in places])
@@ -59,8 +59,11 @@ def margins_figure(result: MeasuredLoopMargins, titles: Titles | None = None) ->
         handles.append(
             Line2D([], [], linestyle="none", marker="x", color="#555555", label="predicted within the layer")
         )
-    if any(one.bound for one in result.found):
-        look = {"marker": MARKERS[0], "fillstyle": "none", "color": "#555555", "label": "open: limited by the step"}
+    open_ = {"limited by the step": any(one.bound for one in result.found)}
+    open_["first loss, stands more"] = any(one.regained for one in result.found)
+    if any(open_.values()):
+        label = f"open: {', or '.join(text for text, there in open_.items() if there)}"
+        look = {"marker": MARKERS[0], "fillstyle": "none", "color": "#555555", "label": label}
         handles.append(Line2D([], [], linestyle="none", **look))
     figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
     return figure

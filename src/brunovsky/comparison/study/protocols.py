@@ -258,8 +258,8 @@ class MarginsTable(_Protocol):
     """Gain, delay, lags or sampling period at which each law loses a scenario, by bisection on whole simulations.
 
     Each change acts at the actuators of ``cuts``: of u1, of u2, or of both alike. A run counts as stable if its
-    position error stays within ``bound_m`` over its last quarter without growing, where what is below ``still_m`` may
-    grow; the runs are native.
+    position error stays within ``bound_m`` over its last quarter without growing, where under a law that chatters what
+    is below ``still_m`` may grow; the runs are native.
     """
 
     kind: Literal["margins"]
