@@ -207,6 +207,7 @@ def run_protocol(
             metrics=table.metrics,
             budget=table.budget,
             step_sensitive=step_sensitive,
+            finer=trials.at_half_step,
         )
     elif isinstance(table, ParetoTable):
         result = pareto(

@@ -29,6 +29,7 @@ from brunovsky.comparison.protocols import (
     pareto_figure,
     swept_figure,
 )
+from brunovsky.comparison.protocols.explanation import SWEPT
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.symbols import symbol
 
@@ -113,13 +114,14 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
             picture = drawing.svg(_FIGURES[type(result)](result, titles), key)
     rows = result.summary_rows() if isinstance(result, MonteCarlo | Map | Coupling) else result.rows()
     findings = tuple(result.findings())
+    scenario = f"{scenario}{_replaced(result)}"
     return ProtocolSection(
         title=f"{_title(result)}: {scenario}",
         explanation=f"{explanation.holds_equal} What it cannot say: {explanation.cannot_say}",
         figure_svg=picture if drawn else "",
         table=table_of(key, rows, f"{_title(result)}, “{scenario}”"),
         findings=(*findings, *_agreement(one)),
-        caption=f"{_title(result)}, “{scenario}”.",
+        caption=f"{_title(result)}, “{scenario}”. {_reading(result)}".rstrip(),
         headline=_headline(result, findings, scenario),
     )
 
@@ -143,6 +145,21 @@ def _title(result: Result) -> str:
     if isinstance(result, Map):
         return f"{title} over {result.keys}"
     return title.replace("one parameter", symbol(result.knob)) if isinstance(result, Swept) else title
+
+
+def _reading(result: Result) -> str:
+    """How the figure is read; that of a map over one key has lines."""
+    if isinstance(result, Map) and result.up is None:
+        return f"The swept parameter replaces that of the scenario. {SWEPT.reading} × is a run that failed."
+    return result.explanation.reading
+
+
+def _replaced(result: Result) -> str:
+    """That a map sweeps what the scenario's title may name."""
+    if not isinstance(result, Map):
+        return ""
+    keys = [one.key for one in (result.across, result.up) if one is not None]
+    return f" ({'starts' if all('_start' in one for one in keys) else ' and '.join(map(symbol, keys))} swept)"
 
 
 def _agreement(one: ProtocolRun) -> list[str]:

@@ -39,7 +39,10 @@ def test_sentences_tell_extremes_their_places_and_what_one_key_does():
     assert "θ(0) alone changes it by a factor of 2.0 to 2.0, row by row" in told
     assert "in 2 of 6 runs it is undefined, as it is beyond the end of the run" in told
     assert "By the IAE “b” is lower than “a” in 0 and higher in 5 of 5 points" in told
-    assert "the IAE by a factor of 8.0" in found.headline()
+    assert (
+        "the IAE by a factor of 2.0 with θ(0) alone (median of the rows), by a factor of 8.0 over the map"
+        in found.headline()
+    )
     assert "0 (“a”), 1 (“b”)" in found.headline()
 
 
@@ -49,13 +52,56 @@ def test_what_the_step_decides_is_in_no_sentence():
 
     found = mapped(evaluate, LAWS, X, Y, metrics=["iae"], finer=finer, step_sensitive=["iae"])
     assert found.converged("a", "iae").tolist() == [[True, True, False]] * 2
-    assert "in 2 it changes by more than 1.0\u00a0% at half the step, and is left out" in found.findings()[1]
+    assert "in 2 it changes by more than 1.0\u00a0% at half the step: left out" in "".join(found.findings())
     rows = found.summary_rows()
     assert (rows[0]["largest"], rows[0]["there"], rows[0]["not converged"]) == (
         4.0,
         "θ(0) = −1\u00a0rad, η₁(0) = 2\u00a0m/s",
         2,
     )
+
+
+def test_a_run_is_converged_only_if_all_its_mapped_metrics_are():
+    def finer(law, parameters, case):
+        found = evaluate(law, parameters, case)
+        return found | {"settling_time": 3.1} if parameters[X.key] == -1.0 else found
+
+    found = mapped(evaluate, {"a": {}}, X, Y, metrics=["iae", "settling_time"], finer=finer)
+    assert found.converged("a", "iae").tolist() == [[False, True, True]] * 2  # undefined at both steps is no change
+    assert found.converged("a", "settling_time").tolist() == [[False, True, False]] * 2
+    assert found.summary_rows()[0]["not converged"] == 2
+
+
+def test_failures_of_the_step_are_told_from_those_of_the_law():
+    def coarse(law, parameters, case):
+        return Failure("it blew up") if parameters[X.key] >= 0.0 else {"iae": 1.0}
+
+    def finer(law, parameters, case):
+        return Failure("it blew up") if parameters[X.key] == 1.0 and parameters[Y.key] == 2.0 else {"iae": 1.0}
+
+    found = mapped(coarse, {"a": {}}, X, Y, metrics=["iae"], finer=finer)
+    assert "4 (“a”; 1 of these also at half the step)" in found.headline()
+    assert "At half the step 1 of the 4 that failed under “a” fails: what failed in the others is the integration." in (
+        found.findings()
+    )
+    assert (found.summary_rows()[0]["failed"], found.summary_rows()[0]["failed at half the step"]) == (4, 1)
+    drawn = {line.get_marker(): len(line.get_xdata()) for line in map_figure(found).axes[0].get_lines()}
+    assert (drawn["x"], drawn["^"]) == (1, 3)
+
+
+def test_contours_have_the_same_levels_for_all_laws_and_labels_that_differ():
+    def steep(law, parameters, case):
+        return {"iae": 1.0 + 0.08 * parameters["a"] / 9.0 + 0.02 * (law == "b")}
+
+    def finer(law, parameters, case):
+        return {"iae": 5.0} if parameters["a"] == 9.0 else steep(law, parameters, case)
+
+    axis = Axis("a", tuple(map(float, range(10))))
+    found = mapped(steep, LAWS, axis, Axis("b", (0.0, 1.0, 2.0)), metrics=["iae"], finer=finer)
+    figure = map_figure(found)
+    told = [[text.get_text() for text in axes.texts] for axes in figure.axes[:2]]
+    assert told == [["1.02", "1.04", "1.06"], ["1.04", "1.06", "1.08"]]
+    assert figure.axes[2].get_ylim()[1] == pytest.approx(1.02 + 0.08 * 8.0 / 9.0)  # the last column is not converged
 
 
 def test_a_step_sensitive_metric_without_runs_at_half_the_step_ranks_nothing():
@@ -73,7 +119,7 @@ def test_points_at_zero_are_in_no_factor_and_are_told():
     told = found.findings()
     assert "; it is 0 in 2 of 6 points; elsewhere θ(0) alone changes it by a factor of 2.0 to 3.0" in told[0]
     assert told[1].endswith("it is 0 in 6 of 6 points.")
-    assert "the IAE by a factor of 4.0 (0 in 2 of 6 points, left out here)" in found.headline()
+    assert "by a factor of 4.0 over the map (0 in 2 of 6 points, left out here)" in found.headline()
     assert "the RMS position error (last quarter) not at all (it is 0 in all 6 points)" in found.headline()
 
 
@@ -91,7 +137,7 @@ def test_two_maps_of_a_scenario_are_told_apart_by_their_titles():
         section = _section(ProtocolRun(None, result, (), (), {}), 1, "Circle", {}, False)
         return section.title, section.caption, section.table.caption
 
-    assert titles(Y)[0] == "Map over θ(0) and η₁(0): Circle"
+    assert titles(Y)[0] == "Map over θ(0) and η₁(0): Circle (starts swept)"
     assert not set(titles(Y)) & set(titles(Axis("x_start_m", (0.5, 1.0)))) | set(titles(Y)) & set(titles(None))
 
 

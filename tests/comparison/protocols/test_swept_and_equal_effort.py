@@ -7,6 +7,7 @@ import pytest
 
 from brunovsky.comparison import drawing
 from brunovsky.comparison.protocols import Failure, Knob, equal_effort, equal_effort_figure, swept, swept_figure
+from brunovsky.comparison.protocols.equal_effort_findings import _slack
 from brunovsky.errors import ParameterError, SimulationError
 
 
@@ -142,17 +143,61 @@ def test_what_the_tolerance_of_the_tuning_explains_is_not_told():
     near = equal_effort(
         toy(SLOPES, iae=lambda law, P: 1.0 + 0.005 * (law == "relay")), LAWS, KNOBS, "rms_u2", 6.0, metrics=["iae"]
     )
-    assert "lowest under" not in told(near) and "tolerance of the tuning explains" in told(near)
-    # an IAE that goes with the tenth power of the effort, five per cent apart: half a per cent of effort explains it
-    steep = equal_effort(
-        toy(SLOPES, iae=lambda law, P: (1.0 + 0.05 * (law == "relay")) * (SLOPES[law] * P) ** 10),
-        LAWS,
-        KNOBS,
-        "rms_u2",
-        6.0,
-        metrics=["iae"],
-    )
-    assert "tolerance of the tuning explains" in told(steep)
+    assert "lowest under" not in told(near) and "(within 1.0\u00a0%, the tolerance of numbers" in told(near)
+
+
+def test_the_slack_is_that_of_the_offsets_achieved():
+    """An IAE that goes with the tenth power of the effort, five per cent apart."""
+
+    def found(effort):
+        iae = {"layer": 1.0, "relay": 1.05}
+        evaluate = toy(SLOPES, iae=lambda law, P: iae[law] * (SLOPES[law] * effort(law, P)) ** 10, effort=effort)
+        return equal_effort(evaluate, LAWS, KNOBS, "rms_u2", 6.0, metrics=["iae"])
+
+    exact = found(lambda _, P: 2.0 * P)
+    offsets = [one.trial.value("rms_u2") / 6.0 - 1.0 for one in exact.tunings]
+    assert _slack(exact, "layer", "relay", "iae") == pytest.approx(10.0 * sum(map(abs, offsets)), rel=0.05)
+    assert "under “relay” it is higher by" in told(exact) and "which counts as equal" in told(exact)
+
+    def steps(law, P):  # of 0.8 per cent, with the target in the middle of one
+        return 6.024 / SLOPES[law] * 1.008 ** round(math.log(P * SLOPES[law] / 6.0) / math.log(1.008))
+
+    coarse = found(steps)
+    assert "lowest under" not in told(coarse) and "which the offsets from the target explain" in told(coarse)
+
+
+def test_the_step_is_judged_at_the_tuned_designs():
+    iae = {"a": 1.0, "b": 2.0, "c": 3.0, "d": 4.0}
+
+    def evaluate(law, parameters, case, wrong=()):
+        P = parameters["P"]
+        effort = P * (1.05 if "effort" in wrong and law == "d" else 1.0)
+        return {
+            "rms_u2": effort,
+            "iae": iae[law] * (1.5 if law in wrong else 1.0),
+            "settling_time": 1.0 + (law in wrong),
+        }
+
+    def found(*wrong):
+        return equal_effort(
+            evaluate,
+            {law: {} for law in iae},
+            {law: Knob("P", 0.01, 100.0) for law in iae},
+            "rms_u2",
+            6.0,
+            metrics=["iae"],
+            step_sensitive=["iae"],  # of the untuned runs, which decide no more
+            finer=lambda law, parameters, case: evaluate(law, parameters, case, wrong),
+        )
+
+    assert not found().step_sensitive and "lowest under “a”" in told(found())
+    some = found("a", "effort")
+    assert "lowest under “b”" in told(some) and "(a)" not in told(some)
+    assert "Not ranked are “a” and “d”: their values change by more than 1.0\u00a0% at half the step." in told(some)
+    none = found("a", "b", "c")
+    assert none.step_sensitive == {"iae"}
+    assert "The IAE depends on the step of the simulation under “a”, “b” and “c”: it ranks no law." in told(none)
+    json.dumps(none.as_dict(), allow_nan=False)
 
 
 @pytest.mark.parametrize("sensitive", ["iae", "rms_u2"])

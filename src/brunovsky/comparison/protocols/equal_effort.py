@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from brunovsky.comparison.facts import TINY, joined, number, percent
 from brunovsky.comparison.output import plain
-from brunovsky.comparison.protocols.evaluation import Evaluate, Trial, check_laws, phrase, unit
+from brunovsky.comparison.protocols.equal_effort_findings import effort_findings, effort_headline
+from brunovsky.comparison.protocols.evaluation import (
+    Evaluate,
+    Trial,
+    attempt,
+    check_laws,
+    step_sensitive_metrics,
+)
 from brunovsky.comparison.protocols.explanation import EQUAL_EFFORT, Explanation
 from brunovsky.comparison.protocols.tuning import Knob, Tuning, tune
-from brunovsky.comparison.symbols import setting, symbol
 from brunovsky.errors import ParameterError
-
-LISTED = 4  # laws, beyond which a headline tells the best and the worst of them
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,10 @@ class EqualEffort:
     tunings : tuple of Tuning
         One for each law.
     step_sensitive : frozenset of str
-        Metrics that depend on the step.
+        Metrics that depend on the step: of runs that were made elsewhere, or so many of the tuned ones that fewer than
+        two laws are left.
+    finer : tuple of Trial
+        The tuned runs at half the step; empty where these were not made.
     explanation : Explanation
         The protocol in words.
     """
@@ -49,6 +55,7 @@ class EqualEffort:
     metrics: tuple[str, ...]
     tunings: tuple[Tuning, ...]
     step_sensitive: frozenset[str] = frozenset()
+    finer: tuple[Trial, ...] = ()
     explanation: Explanation = EQUAL_EFFORT
 
     @property
@@ -60,6 +67,12 @@ class EqualEffort:
     def tuned(self) -> dict[str, Trial]:
         """Runs at equal effort, by law; only those that hit it."""
         return {one.law: one.trial for one in self.tunings if one.trial is not None}
+
+    @property
+    def unsure(self) -> dict[str, frozenset[str]]:
+        """For each tuned law that was tried at half the step, the metrics that change by more than one per cent."""
+        tuned = self.tuned
+        return {one.law: step_sensitive_metrics([tuned[one.law].metrics], [one.metrics]) for one in self.finer}
 
     def rows(self) -> list[dict[str, Any]]:
         """One row for each law: how it was tuned, and its metrics there."""
@@ -84,99 +97,11 @@ class EqualEffort:
 
     def findings(self) -> list[str]:
         """Sentences that follow from the numbers."""
-        told = [self._tuning(one) for one in self.tunings]
-        if len(self.tuned) < 2:
-            return [*told, "Fewer than two laws reach the effort, so there is nothing to compare."]
-        if self.effort in self.step_sensitive:
-            return [
-                *told,
-                f"The effort itself, {phrase(self.effort)}, depends on the step of the simulation: no law is ranked.",
-            ]
-        compared = [self._compared(metric) for metric in self.metrics if metric != self.effort]
-        if self.idle:
-            told.append(
-                "All laws have this effort at the same value of the knob: it is that of the common start, the tuning "
-                "changed nothing, and what follows compares the laws as they are."
-            )
-        return told + compared
-
-    def _tuning(self, one: Tuning) -> str:
-        of = f"“{one.law}”"
-        if one.trial is None or one.value is None:
-            return f"{of} is not compared: {one.reason} ({one.runs} of {self.budget} runs)."
-        effort = one.trial.value(self.effort)
-        off = 0.0 if effort is None else abs(effort / self.target - 1.0)
-        told_off = percent(off) if off > 1e-4 else "less than 0.01\u00a0%"
-        text = (
-            f"{of} has {phrase(self.effort)} = {number(effort)} {unit(self.effort)}".rstrip()
-            + f", {told_off} off the target, at {setting(one.knob.parameter, one.value, number)} ({one.runs} of "
-            f"{self.budget} runs)"
-        )
-        return text + ("." if one.monotone else f"; its effort is not monotone in {symbol(one.knob.parameter)}.")
+        return effort_findings(self)
 
     def headline(self) -> str:
         """The one sentence for a verdict: the first metric at equal effort; of many laws the best and the worst."""
-        if self.idle:
-            return ""
-        unranked = {self.effort, *self.step_sensitive}
-        ranked = [one for one in self.metrics if one not in unranked and len(self._ordered(one)) > 1]
-        if not ranked or self.effort in self.step_sensitive:
-            return self.findings()[0]
-        metric = ranked[0]
-        (least, low), *others, (most, high) = self._ordered(metric)
-        if len(others) + 2 <= LISTED or self._excess(least, most, metric, low, high) is None:
-            return self._compared(metric)
-        alike = [f"“{law}”" for law, value in others if self._excess(least, law, metric, low, value) is None]
-        size = f"\u00a0{unit(metric)}".rstrip()
-        text = f"{self._of(metric)} is, of {len(others) + 2} laws, lowest under “{least}” ({number(low)}{size})"
-        text += (
-            f", from which {joined(alike)} {_is(alike)} not told apart by the tolerance of the tuning," if alike else ""
-        )
-        return f"{text} and highest under “{most}” ({number(high)}{size}); the table has each."
-
-    def _of(self, metric: str) -> str:
-        return f"At equal effort the {phrase(metric)}"
-
-    def _ordered(self, metric: str) -> list[tuple[str, float]]:
-        """Laws at equal effort with a metric that is defined, the lowest first."""
-        known = [(law, trial.value(metric)) for law, trial in self.tuned.items()]
-        return sorted([(law, value) for law, value in known if value is not None], key=lambda one: one[1])
-
-    def _compared(self, metric: str) -> str:
-        if metric in self.step_sensitive:
-            return f"The {phrase(metric)} depends on the step of the simulation: it ranks no law."
-        ordered = self._ordered(metric)
-        if len(ordered) < 2:
-            return f"The {phrase(metric)} is defined under fewer than two laws."
-        listed = ", ".join(f"{number(value)} ({law})" for law, value in ordered)
-        text = f"{self._of(metric)}{f', {unit(metric)},' if unit(metric) else ''} is {listed}"
-        (least, low), *others = ordered
-        higher = {law: self._excess(least, law, metric, low, value) for law, value in others}
-        alike = [f"“{law}”" for law, one in higher.items() if one is None]
-        tiny = unit(metric) == "m" and low < TINY
-        apart = [
-            f"under “{law}” it is higher by {f'{number(value - low)} m' if tiny else percent(share)}"
-            for law, value in others
-            if (share := higher[law]) is not None
-        ]
-        if not apart:
-            return f"{text}: the laws do not differ by more than what the tolerance of the tuning explains."
-        lowest = f"{text}: in this case lowest under “{least}”"
-        if alike:
-            lowest += f", from which {joined(alike)} {_is(alike)} not told apart by the tolerance of the tuning"
-        return f"{lowest}; {joined(apart)}."
-
-    def _excess(self, least: str, law: str, metric: str, low: float, value: float) -> float | None:
-        """By what share a law's metric is above the lowest; None where the tolerance of the tuning explains it."""
-        size = max(abs(low), abs(value))
-        slack = sum(one.slack(self.effort, metric, self.rtol) for one in self.tunings if one.law in (least, law))
-        if size == 0.0 or value - low <= max(self.rtol, slack) * size:
-            return None
-        return (value - low) / abs(low) if low else 1.0
-
-
-def _is(some: Sequence[str]) -> str:
-    return "is" if len(some) == 1 else "are"
+        return effort_headline(self)
 
 
 def equal_effort(
@@ -192,6 +117,7 @@ def equal_effort(
     scan: int = 9,
     case: int = 0,
     step_sensitive: Collection[str] = (),
+    finer: Evaluate | None = None,
 ) -> EqualEffort:
     """Tune each law's knob until a physical input has the same RMS, peak or other effort, and compare.
 
@@ -218,7 +144,10 @@ def equal_effort(
     case : int
         Number of the case.
     step_sensitive : collection of str
-        Metrics by which no law may be ranked.
+        Metrics by which no law may be ranked, unless each tuned run is held against one at half the step.
+    finer : Evaluate, optional
+        Makes the same run at half the step, once for each law that was tuned: what changes by more than one per cent
+        then ranks that law no more.
 
     Raises
     ------
@@ -237,4 +166,13 @@ def equal_effort(
         tune(evaluate, law, fixed, knobs[law], effort, target, rtol=rtol, budget=budget, scan=scan, case=case)
         for law, fixed in laws.items()
     ]
-    return EqualEffort(effort, target, rtol, budget, tuple(metrics), tuple(tunings), frozenset(step_sensitive))
+    told, tuned = tuple(metrics), [one.trial for one in tunings if one.trial is not None]
+    halved = () if finer is None else tuple(attempt(finer, one.law, one.parameters, case) for one in tuned)
+    found = EqualEffort(effort, target, rtol, budget, told, tuple(tunings), frozenset(step_sensitive), finer=halved)
+    if finer is None:
+        return found
+    unsure = found.unsure.values()
+    fewer = (
+        name for name in (effort, *told) if 0 < len(unsure) < 2 + sum(bool({name, effort} & one) for one in unsure)
+    )
+    return replace(found, step_sensitive=frozenset(fewer))

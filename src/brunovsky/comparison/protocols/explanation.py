@@ -19,11 +19,14 @@ class Explanation:
         What is the same for all laws.
     cannot_say : str
         What does not follow from its numbers.
+    reading : str
+        How its figure is read.
     """
 
     title: str
     holds_equal: str
     cannot_say: str
+    reading: str = ""
 
     def as_dict(self) -> dict[str, str]:
         """The same by name, ready for JSON."""
@@ -39,6 +42,8 @@ SWEPT = Explanation(
     "Equal values of the parameter are not equal costs: a law may take more of the inputs for the same value. Each "
     "point is one run of one case, without spread, so that the curves say nothing about other starts or disturbances, "
     "nor which law is better when each is tuned for itself.",
+    "Each marker is one run; the lines only join the runs of a law, and each panel is one metric over the swept "
+    "parameter.",
 )
 EQUAL_EFFORT = Explanation(
     "Equal effort",
@@ -48,6 +53,9 @@ EQUAL_EFFORT = Explanation(
     "Effort is equal in the one metric that was chosen; peaks, variation or the other input may still differ. The "
     "comparison holds at this target and for this case: at another target the order may be another. One knob for each "
     "law is not the best that the law can do.",
+    "Above, the effort over the knob: small markers are the runs of the search, joined by lines, large ones the runs "
+    "at the target. Below, one metric in each panel with a row for each law: its value at equal effort, and ≈ where "
+    "it changes by more than 1 % at half the step; a row without a marker is a law that was not compared.",
 )
 PARETO = Explanation(
     "Pareto fronts with an equal tuning budget",
@@ -58,6 +66,8 @@ PARETO = Explanation(
     "with more knobs has its designs spread more thinly. A law whose knobs have the wider ranges is searched more "
     "coarsely. Fronts hold for one case; what lies off the two objectives is not weighed. The hypervolume depends on "
     "its reference point and ranks nothing by itself.",
+    "Small markers are designs, each one run; the stepped line with large markers is a law’s front, towards the lower "
+    "left.",
 )
 MONTE_CARLO = Explanation(
     "Paired Monte-Carlo with common random numbers",
@@ -74,12 +84,16 @@ MONTE_CARLO = Explanation(
 MAP = Explanation(
     "Map",
     "Each law is run from every point of the same grid, all else equal; one scale of lightness holds for all laws, "
-    "with lines of equal value. A cross is a run that failed, a ring one that ended without the metric being defined, "
-    "a dot one whose number changes by more than one per cent at half the step: it is in no sentence and no extreme. "
-    "A map is no protocol of fairness: it shows how a law depends on what is swept, and where.",
+    "with lines of equal value. Where any of the mapped metrics of a run changes by more than one per cent at half "
+    "the step, the run is in no sentence and no extreme. A map is no protocol of fairness: it shows how a law depends "
+    "on what is swept, and where.",
     "Each point is one run, without spread. Between the points nothing was run: narrow valleys and ridges, such as the "
     "starts that pass near the singularity, are drawn only as finely as the grid is, and extremes are those of the "
     "grid. Laws are not tuned, and no point is more likely than another.",
+    "The swept parameters replace those of the scenario; each cell is one run. White cells have no number: × failed, "
+    "△ failed at this step and not at half of it, ○ ended without the metric being defined. A dot is a run of which a "
+    "mapped metric changes by more than 1 % at half the step. Colours and lines, with their levels marked on the "
+    "scale, are the same for all laws and span the other runs; a dotted cell beyond them has the colour of the end.",
 )
 MARGINS = Explanation(
     "Measured margins",

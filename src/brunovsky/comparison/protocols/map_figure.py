@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib
@@ -27,6 +27,9 @@ _COLOURS = "cividis"  # lightness rises evenly, so that it reads in grey
 _LEVELS = 32  # of the colours
 _WIDTH = 9.4
 _LINES = 5  # contour lines
+_ROUND = MaxNLocator(_LINES, steps=[1.0, 2.0, 5.0, 10.0])
+_ROOM = 0.2  # share of a panel that a contour's number keeps from others, if it can
+_SHORT = 0.3  # lines shorter than this share of a panel have none
 Titles = Mapping[str, str]
 Values = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -43,20 +46,22 @@ def _heat_maps(result: Map, titles: Titles) -> Figure:
     grid = np.atleast_2d(figure.subplots(len(result.metrics), len(laws), sharex=True, sharey=True, squeeze=False))
     for row, metric in enumerate(result.metrics):
         values = [result.grid(law, metric) for law in laws]
-        norm = _norm(np.concatenate([one.ravel() for one in values]))
+        sure = [result.sure(law, metric) for law in laws]
+        norm = _norm(np.concatenate([one.ravel() for one in sure]))  # chance values of the step stretch no scale
+        levels = _levels(np.concatenate([one.ravel() for one in sure]), norm)
         mesh = None
-        for axes, law, one in zip(grid[row], laws, values, strict=True):
+        for axes, law, one, known in zip(grid[row], laws, values, sure, strict=True):
             axes.grid(False)
             if norm is not None:
                 mesh = ScalarMappable(norm, matplotlib.colormaps[_COLOURS].resampled(_LEVELS))
                 _cells(axes, _edges(result.across), _edges(result.up), one, mesh)
-                _contours(axes, result.across, result.up, one, norm)
-            _crosses(axes, result, law, metric, one)
-            sensitive = " (depends on the step)" if metric in result.step_sensitive else ""
-            axes.set_title(f"{phrase(metric)}{sensitive}\n{titles.get(law) or law}", loc="left", fontsize=8.0)
+                _contours(axes, result.across, result.up, known, levels)
+            _crosses(axes, result, law, one)
+            axes.set_title(f"{phrase(metric)}\n{titles.get(law) or law}", loc="left", fontsize=8.0)
         if mesh is not None:
             bar = figure.colorbar(mesh, ax=list(grid[row]), pad=0.01, fraction=0.03, label=with_unit(metric))
             bar.ax.grid(False)
+            bar.ax.hlines(levels, 0.0, 1.0, colors="#000000", linewidths=0.7, transform=bar.ax.get_yaxis_transform())
     for axes in grid[-1]:
         axes.set_xlabel(with_key_unit(result.across.key))
     for axes in grid[:, 0]:
@@ -123,32 +128,94 @@ def _cells(axes: Axes, x: Values, y: Values, values: Values, colours: ScalarMapp
     axes.set(xlim=x[[0, -1]], ylim=y[[0, -1]])
 
 
-def _contours(axes: Axes, across: Axis, up: Axis, values: Any, norm: Normalize) -> None:
-    """Lines of equal value with their numbers, dark on light, so that they read on any colour."""
-    if min(values.shape) < 2 or np.isfinite(values).sum() < 4 or np.nanmax(values) <= np.nanmin(values):
+def _levels(values: Values, norm: Normalize | None) -> list[float]:
+    """Levels of the contour lines of all laws, strictly within what is known."""
+    known = values[np.isfinite(values)]
+    if norm is None or not known.size:
+        return []
+    low, high = float(known.min()), float(known.max())
+    locator = LogLocator(subs=(1.0, 3.0), numticks=_LINES) if isinstance(norm, LogNorm) else _ROUND
+    return [float(one) for one in locator.tick_values(low, high) if low < one < high]
+
+
+def _label(level: float, levels: Sequence[float]) -> str:
+    """A level to the precision of the spacing of all, so that no two read alike."""
+    for digits in range(1, 7):
+        found = number(level, digits)
+        if len({number(one, digits) for one in levels}) == len(levels) and _exact(level, digits):
+            break
+    return found
+
+
+def _exact(level: float, digits: int) -> bool:
+    return abs(float(f"{level:.{digits - 1}e}") - level) <= 1e-9 * abs(level)
+
+
+def _contours(axes: Axes, across: Axis, up: Axis, values: Values, levels: Sequence[float]) -> None:
+    """Lines of equal value, those of the scale; a number on each that has the room, dark on light."""
+    if min(values.shape) < 2 or np.isfinite(values).sum() < 4:
         return
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    locator = LogLocator(subs=(1.0, 3.0), numticks=_LINES) if isinstance(norm, LogNorm) else MaxNLocator(_LINES)
-    levels = [one for one in locator.tick_values(low, high) if low < one < high]
+    levels = [one for one in levels if np.nanmin(values) < one < np.nanmax(values)]
     if not levels:
         return
-    found = axes.contour(
-        across.values, up.values, np.ma.masked_invalid(values), levels=levels, colors="#000000", linewidths=0.7
-    )
-    for text in axes.clabel(found, fmt=lambda one: number(one, 2), fontsize=7.0):
-        text.set_bbox({"boxstyle": "square,pad=0.1", "facecolor": "#ffffff", "alpha": 0.8, "linewidth": 0.0})
+    masked = np.ma.masked_invalid(values)
+    found = axes.contour(across.values, up.values, masked, levels=levels, colors="#000000", linewidths=0.7)
+    for level, place in zip(levels, _places(axes, found.allsegs), strict=True):
+        if place is not None:
+            box = {"boxstyle": "square,pad=0.1", "facecolor": "#ffffff", "alpha": 0.8, "linewidth": 0.0}
+            axes.text(
+                place[0],
+                place[1],
+                _label(level, levels),
+                fontsize=7.0,
+                ha="center",
+                va="center",
+                bbox=box,
+                clip_on=True,
+            )
 
 
-def _crosses(axes: Axes, result: Map, law: str, metric: str, values: Any) -> None:
-    """A cross where the run failed, a ring where the metric is undefined, a dot where the step decides on it."""
+def _places(axes: Axes, lines: Sequence[Sequence[Values]]) -> list[Values | None]:
+    """A point of each level for its number: on its longest line, far from other numbers and the ends."""
+    (left, right), (below, above) = axes.get_xlim(), axes.get_ylim()
+    origin, size = np.array([left, below]), np.array([right - left, above - below])
+    taken: list[Values] = []
+    found: list[Values | None] = []
+    for level in lines:
+        scaled = [(np.asarray(one) - origin) / size for one in level if len(one) > 1]
+        if not scaled:
+            found.append(None)
+            continue
+        line = max(scaled, key=lambda one: float(np.abs(np.diff(one, axis=0)).sum()))
+        long = float(np.abs(np.diff(line, axis=0)).sum())
+        room = np.min([line[:, 0], 1.0 - line[:, 0], 2.0 * line[:, 1], 2.0 * (1.0 - line[:, 1])], axis=0)
+        for other in taken:
+            apart = np.abs(line - other)
+            room = np.minimum(room, np.maximum(apart[:, 0], 1.5 * apart[:, 1]))
+        best = int(np.argmax(np.round(np.minimum(room, _ROOM), 2)))
+        if long < _SHORT or room[best] < 0.5 * _ROOM:
+            found.append(None)
+            continue
+        taken.append(line[best])
+        found.append(origin + line[best] * size)
+    return found
+
+
+def _crosses(axes: Axes, result: Map, law: str, values: Any) -> None:
+    """A cross where the run failed, a triangle if at this step alone; a ring where undefined, a dot where unsure."""
     assert result.up is not None
-    failed = result.failed(law)
+    failed, finer = result.failed(law), result.failed_finer(law) if result.finer else result.failed(law)
     x, y = np.meshgrid(result.across.values, result.up.values)
     known = np.isfinite(values)
-    unsure = known & ~result.converged(law, metric)
-    for marker, where, size in (("x", failed, 3.5), ("o", ~known & ~failed, 3.5), (".", unsure, 2.0)):
+    unsure = known & ~result.alike(law)
+    for marker, where, size in (
+        ("x", failed & finer, 3.5),
+        ("^", failed & ~finer, 3.5),
+        ("o", ~known & ~failed, 3.5),
+        (".", unsure, 2.0),
+    ):
         spots: dict[str, Any] = {"linestyle": "none", "color": "#000000", "markersize": size}
-        spots |= {"fillstyle": "none"} if marker == "o" else {}
+        spots |= {"fillstyle": "none"} if marker in "o^" else {}
         axes.plot(x[where], y[where], marker=marker, **spots)
 
 

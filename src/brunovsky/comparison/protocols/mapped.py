@@ -25,6 +25,7 @@ from brunovsky.comparison.symbols import setting, symbol
 from brunovsky.errors import ParameterError
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
+Truths = np.ndarray[Any, np.dtype[np.bool_]]
 
 
 @dataclass(frozen=True)
@@ -79,13 +80,21 @@ class Map:
         """A metric of a law, shape of the map; not a number where it is undefined or the run failed."""
         return self._values(self.trials, law, metric)
 
-    def converged(self, law: str, metric: str) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Where a metric changes by at most one per cent at half the step, shape of the map."""
-        values = self.grid(law, metric)
-        if not self.finer:
-            return np.isfinite(values)
-        finer = self._values(self.finer, law, metric)
-        return np.asarray(np.abs(finer - values) <= CONVERGED * np.abs(values))
+    def converged(self, law: str, metric: str) -> Truths:
+        """Where a metric is known, and no mapped metric of that run changes by more than one per cent at half the step.
+
+        One number of a run may agree by chance where the step decides on the run. Shape of the map.
+        """
+        return np.isfinite(self.grid(law, metric)) & self.alike(law)
+
+    def alike(self, law: str) -> Truths:
+        """Where all mapped metrics of a run are the same within one per cent at half the step, shape of the map."""
+        found = ~self.failed(law)
+        for metric in self.metrics if self.finer else ():
+            values, finer = self.grid(law, metric), self._values(self.finer, law, metric)
+            same = np.abs(finer - values) <= CONVERGED * np.abs(values)
+            found &= same | (np.isnan(values) & np.isnan(finer))
+        return np.asarray(found & ~self.failed_finer(law))
 
     def sure(self, law: str, metric: str) -> Array:
         """The metric where it is converged; not a number elsewhere."""
@@ -95,9 +104,16 @@ class Map:
         found = [one.value(metric) for one in trials if one.law == law]
         return np.array([math.nan if one is None else one for one in found]).reshape(self.shape)
 
-    def failed(self, law: str) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    def failed(self, law: str) -> Truths:
         """Where the runs of a law failed, shape of the map."""
-        return np.array([one.failure is not None for one in self.trials if one.law == law]).reshape(self.shape)
+        return self._failed(self.trials, law)
+
+    def failed_finer(self, law: str) -> Truths:
+        """Where they failed at half the step, shape of the map; nowhere if these runs were not made."""
+        return self._failed(self.finer, law) if self.finer else np.zeros(self.shape, dtype=bool)
+
+    def _failed(self, trials: Sequence[Trial], law: str) -> Truths:
+        return np.array([one.failure is not None for one in trials if one.law == law]).reshape(self.shape)
 
     def rows(self) -> list[dict[str, Any]]:
         """One row for each run."""
@@ -111,6 +127,8 @@ class Map:
             values, sure = self.grid(law, metric), self.sure(law, metric)
             row: dict[str, Any] = {"law": law, "metric": metric, "unit": unit(metric)}
             row |= {"runs": values.size, "failed": int(self.failed(law).sum())}
+            if self.finer:
+                row["failed at half the step"] = int(self.failed_finer(law).sum())
             row["undefined"] = int(np.isnan(values).sum()) - row["failed"]
             row["not converged"] = int(np.sum(np.isfinite(values) & ~np.isfinite(sure)))
             if np.isfinite(sure).any():
@@ -131,7 +149,7 @@ class Map:
         return map_findings(self)
 
     def headline(self) -> str:
-        """The one sentence for a verdict: by what factor each metric varies over the map under the first law."""
+        """The one sentence for a verdict: by what factor each metric varies under the first law, by row and in all."""
         return map_headline(self)
 
     @property

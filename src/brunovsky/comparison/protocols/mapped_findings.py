@@ -21,7 +21,7 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 def map_findings(result: Map) -> list[str]:
     """Failures first, then the range of each metric under each law, and how the laws differ by it."""
-    told = failures_told(result.trials)
+    told = failures_told(result.trials) + _failures_finer(result)
     for metric in result.metrics:
         told += [_range(result, law, metric) for law in result.laws]
         if metric in result.step_sensitive and not result.finer:
@@ -34,18 +34,47 @@ def map_findings(result: Map) -> list[str]:
 def map_headline(result: Map) -> str:
     """By what factor each metric varies over the map under the first law, and how many runs failed."""
     law = result.laws[0]
-    parts = [one for one in (_variation(result.sure(law, metric), metric) for metric in result.metrics) if one]
+    key = result.across.key
+    parts = [one for one in (_variation(result.sure(law, metric), metric, key) for metric in result.metrics) if one]
     if not parts:
         return f"Over {result.keys} no metric of “{law}” is converged anywhere."
-    failed = ", ".join(f"{int(result.failed(one).sum())} (“{one}”)" for one in result.laws)
     return (
-        f"Over {result.keys} there vary, under “{law}” and where converged with the step, {joined(parts)}; of "
-        f"{result.shape[0] * result.shape[1]} runs under each law there failed {failed}."
+        f"Over {result.keys} there vary, under “{law}” and where the run is converged with the step, {joined(parts)}; "
+        f"of {result.shape[0] * result.shape[1]} runs under each law there failed "
+        f"{', '.join(_failed(result, one) for one in result.laws)}."
     )
 
 
-def _variation(values: Array, metric: str) -> str:
-    """How a metric varies over all points; empty where it is known nowhere."""
+def _failed(result: Map, law: str) -> str:
+    """How many runs of a law failed, and how many of these also do at half the step."""
+    coarse, fine = result.failed(law), result.failed_finer(law)
+    text = f"{int(coarse.sum())} (“{law}”"
+    return f"{text}; {int((coarse & fine).sum())} of these also at half the step)" if _both(result, law) else f"{text})"
+
+
+def _both(result: Map, law: str) -> bool:
+    return bool(result.finer) and bool(result.failed(law).any())
+
+
+def _failures_finer(result: Map) -> list[str]:
+    """What is left of the failures of each law at half the step, and what comes there."""
+    told = []
+    for law in result.laws:
+        coarse, fine = result.failed(law), result.failed_finer(law)
+        kept, new = int((coarse & fine).sum()), int((fine & ~coarse).sum())
+        if _both(result, law):
+            count = int(coarse.sum())
+            rest = "" if kept == count else f": what failed {'in the others' if kept else 'there'} is the integration"
+            told.append(
+                f"At half the step {kept} of the {count} that failed under “{law}” fail{'s' * (kept == 1)}{rest}."
+            )
+        if new:
+            told.append(f"At half the step {new} other{'s' * (new > 1)} fail{'s' * (new == 1)} under “{law}”.")
+    return told
+
+
+def _variation(values: Array, metric: str, key: str) -> str:
+    """How a metric varies along the rows and over all points; empty where it is known nowhere."""
     known = values[np.isfinite(values)]
     if not known.size:
         return ""
@@ -54,6 +83,11 @@ def _variation(values: Array, metric: str) -> str:
         return f"the {phrase(metric)} not at all (it is 0 in all {known.size} points)"
     factor = float(above.max() / above.min())
     by = f"by {percent(1.0 - 1.0 / factor)} of its largest value" if _hardly(factor) else _by(factor)
+    factors = _row_factors(values)
+    if not _hardly(factor) and len(factors) > 1:
+        alone = median(factors)
+        row = f"by {percent(1.0 - 1.0 / alone)}" if _hardly(alone) else _by(alone)
+        by = f"{row} with {symbol(key)} alone (median of the rows), {_by(factor)} over the map"
     return f"the {phrase(metric)} {by}" + (f" (0 in {zero}, left out here)" if zero else "")
 
 
@@ -75,14 +109,14 @@ def _range(result: Map, law: str, metric: str) -> str:
         text += f"; in {missing} of {values.size} runs it is undefined{late}"
     unsure = int(np.sum(known & ~np.isfinite(values)))
     if unsure:
-        text += f"; in {unsure} it changes by more than {percent(CONVERGED)} at half the step, and is left out"
+        which = "it" if len(result.metrics) == 1 else "it or another mapped metric"
+        text += f"; in {unsure} {which} changes by more than {percent(CONVERGED)} at half the step: left out"
     return f"{text}."
 
 
 def _row_by_row(values: Array, key: str) -> str:
     """By what factor the key along a row changes a metric, and how many points are in none as the metric is 0 there."""
-    above = [row[np.isfinite(row) & (row > 0.0)] for row in values]
-    factors = [float(row.max() / row.min()) for row in above if row.size > 1]
+    factors = _row_factors(values)
     zero = _zeros(values[np.isfinite(values)])
     text = f"; it is 0 in {zero}" if zero else ""
     if not factors:
@@ -96,6 +130,12 @@ def _row_by_row(values: Array, key: str) -> str:
         f"{text}changes it {_by(min(factors))} to {number(max(factors), 2)}, row by row (median "
         f"{number(median(factors), 2)})"
     )
+
+
+def _row_factors(values: Array) -> list[float]:
+    """Largest over smallest value above zero of each row that has two."""
+    above = [row[np.isfinite(row) & (row > 0.0)] for row in values]
+    return [float(row.max() / row.min()) for row in above if row.size > 1]
 
 
 def _zeros(known: Array) -> str:

@@ -18,6 +18,7 @@ from brunovsky.comparison.symbols import key_value, setting, symbol
 TuningStatus = Literal["tuned", "out of range", "ambiguous", "jumps", "failed", "budget"]
 _SHARE = 0.25  # of the tolerance, at which the search ends
 _NEAR = 1e-5  # relative change of the knob within which a metric that is not at its target is said to jump
+_APART = 0.005  # of the logarithm of the effort, from which two runs give a slope
 _SMALLEST = 1e-300
 
 
@@ -80,18 +81,21 @@ class Tuning:
         """Evaluations that were taken."""
         return len(self.trials)
 
-    def slack(self, effort: str, metric: str, rtol: float) -> float:
-        """Relative change of a metric that a change of the effort by `rtol` brings about, from the nearest other run.
+    def slack(self, effort: str, metric: str, target: float) -> float:
+        """Relative change of a metric that the offset of the effort from its target brings about.
 
-        At most 1, and 1 where it can't be told.
+        By the slope to the nearest other run whose effort differs. At most 1, and 1 where it can't be told.
         """
         at = None if self.trial is None else _logarithms(self.trial, effort, metric)
+        if at is None:
+            return 1.0
+        offset = abs(at[0] - math.log(target))
         others = [found for found in (_logarithms(one, effort, metric) for one in self.trials) if found is not None]
-        far = [one for one in others if at is not None and abs(one[0] - at[0]) >= rtol]
-        if at is None or not far:
+        far = [one for one in others if abs(one[0] - at[0]) >= max(_APART, offset)]
+        if not far:
             return 1.0
         near = min(far, key=lambda one: abs(one[0] - at[0]))
-        return min(1.0, rtol * abs((near[1] - at[1]) / (near[0] - at[0])))
+        return min(1.0, offset * abs((near[1] - at[1]) / (near[0] - at[0])))
 
 
 def _logarithms(trial: Trial, *names: str) -> tuple[float, ...] | None:
