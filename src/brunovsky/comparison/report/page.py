@@ -20,7 +20,7 @@ from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocol_section import ProtocolSection, Table
 from brunovsky.comparison.report.data import agreement_data, metrics_table
 from brunovsky.comparison.report.definitions import metric_definitions
-from brunovsky.comparison.report.layout import cell_text, table_layout
+from brunovsky.comparison.report.layout import cell_text, table_layout, table_parts
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.linear import LinearSection, linear_section
 from brunovsky.comparison.report.overall import overall_table
@@ -162,7 +162,7 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"cell": cell_text, "layout": table_layout, "described": _described}
+    environment.filters |= {"cell": cell_text, "layout": table_layout, "parts": table_parts, "described": _described}
     environment.globals |= {"given": given, "number": number}
     environment.globals["inlined"] = lambda name: Markup(folder.joinpath(name).read_text(encoding="utf-8"))
     return environment
