@@ -1,4 +1,4 @@
-"""How a table is set: in how many parts, which columns are flush right, which names of rows stand for several, which rows failed."""
+"""How a table is set: in how many parts, which columns are flush right, which rows share a name, which failed."""
 
 from __future__ import annotations
 
