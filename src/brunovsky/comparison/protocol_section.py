@@ -73,6 +73,8 @@ class ProtocolSection:
         Of the figure, also what a screen reader says of it; the title by default.
     headline : str
         One sentence for the verdict at the top of the report; may be empty.
+    brief : tuple of str
+        What a short summary tells in place of the findings; empty if these are short enough.
     """
 
     title: str
@@ -82,6 +84,7 @@ class ProtocolSection:
     findings: tuple[str, ...] = ()
     caption: str = ""
     headline: str = ""
+    brief: tuple[str, ...] = ()
 
 
 def _defined(cell: Cell) -> Cell:

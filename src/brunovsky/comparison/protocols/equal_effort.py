@@ -122,7 +122,21 @@ class EqualEffort:
         ranked = [one for one in self.metrics if one not in unranked and len(self._ordered(one)) > 1]
         if not ranked or self.effort in self.step_sensitive:
             return self.findings()[0]
-        metric = ranked[0]
+        return self._extremes(ranked[0])
+
+    def brief(self) -> list[str]:
+        """Findings without how each law was tuned and how far each is from the best."""
+        told = self.findings()
+        if len(self.tuned) < 2 or self.effort in self.step_sensitive:
+            return told
+        missed = [self._tuning(one) for one in self.tunings if one.trial is None or one.value is None]
+        idle = told[len(self.tunings) : len(self.tunings) + self.idle]
+        return [*missed, *idle, *(self._extremes(one) for one in self.metrics if one != self.effort)]
+
+    def _extremes(self, metric: str) -> str:
+        """A metric at equal effort; of many laws the best and the worst."""
+        if metric in self.step_sensitive or len(self._ordered(metric)) < 2:
+            return self._compared(metric)
         (least, low), *others, (most, high) = self._ordered(metric)
         if len(others) + 2 <= LISTED or self._excess(least, most, metric, low, high) is None:
             return self._compared(metric)

@@ -16,6 +16,7 @@ from brunovsky.comparison.agreement import engine_text
 from brunovsky.comparison.claim import Claim
 from brunovsky.comparison.claims import claims, examined
 from brunovsky.comparison.facts import given, joined, number
+from brunovsky.comparison.other_laws import other_laws_table
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocol_section import ProtocolSection, Table
 from brunovsky.comparison.report.data import agreement_data, metrics_table
@@ -49,6 +50,7 @@ class Content:
     comparison: Comparison
     verdict: tuple[str, ...]
     overall: Table
+    other_laws: Table
     claims: tuple[Claim, ...]
     limits: tuple[str, ...]
     groups: tuple[Group, ...]
@@ -63,7 +65,8 @@ class Content:
         rows = tuple((one.quote, one.verdict, one.shown) for one in self.claims)
         own = (metrics_table(self.comparison), self.overall, Table("claims", columns, rows))
         linear = (self.linear.loops, self.linear.margins)
-        return (*own, *linear, *(one.table for one in self.protocols if one.table is not None))
+        laws = (self.other_laws,) if self.other_laws.rows else ()
+        return (*own, *laws, *linear, *(one.table for one in self.protocols if one.table is not None))
 
 
 def report_content(comparison: Comparison, sections: Sequence[ProtocolSection] = ()) -> Content:
@@ -76,6 +79,7 @@ def report_content(comparison: Comparison, sections: Sequence[ProtocolSection] =
         comparison=comparison,
         verdict=tuple(verdict(comparison, found, sections)),
         overall=overall_table(comparison),
+        other_laws=other_laws_table(comparison),
         claims=tuple(found),
         limits=tuple(limits(comparison, found)),
         groups=groups,
