@@ -26,6 +26,9 @@ class Table:
         As many cells each as there are columns; a float that is not a number counts as None.
     caption : str
         What it shows; may be empty.
+    heads : int
+        How many first columns say what a row is: page and PDF repeat them where they set the columns behind them in
+        parts (see ``report.layout.table_parts``), the CSV file is one; 0 for a table that is never parted.
 
     Raises
     ------
@@ -37,6 +40,7 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     caption: str = ""
+    heads: int = 0
 
     def __post_init__(self) -> None:
         for row in self.rows:

@@ -53,6 +53,16 @@ def key_unit(key: str) -> str:
     return re.sub(r"\d+$", lambda digits: digits.group().translate(_EXPONENTS), text) if under else text
 
 
+def variable_symbol(name: str) -> str:
+    """Symbol of a variable of a block: ``C[1]`` is c₁."""
+    return symbol(name.replace("[", "_").replace("]", ""))
+
+
+def unit_text(unit: str) -> str:
+    """Unit of a variable of a block as people write it: ``m/s3`` is m/s³; empty for ``1``."""
+    return "" if unit == "1" else re.sub(r"(?<=[a-z])\d+", lambda digits: digits.group().translate(_EXPONENTS), unit)
+
+
 def with_key_unit(key: str) -> str:
     """Symbol and unit, the title of an axis."""
     return f"{symbol(key)}, {key_unit(key)}" if key_unit(key) else symbol(key)

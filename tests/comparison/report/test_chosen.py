@@ -31,7 +31,7 @@ def test_chosen_metrics_and_figures_alone_are_shown(small, tmp_path) -> None:
     ]
     assert [one.caption.split(":")[0] for one in section.figures] == ["Errors"]
     assert content.linear.figures == () and content.linear.margins.rows
-    assert "total variation" not in summary_markdown(comparison).partition("| metric |")[2]
+    assert "total variation" not in summary_markdown(comparison).partition("## All runs")[2]
 
     files = write_report(comparison, tmp_path / "out")
     kept = json.loads(files.metrics.read_text(encoding="utf-8"))["runs"][0]["metrics"]

@@ -23,6 +23,8 @@ def bode_figures(study: Study) -> tuple[Figure, ...]:
     hardware.
     """
     found = loop_curves(study)
+    if not found:
+        return ()
     kinds = list(dict.fromkeys(hardware for curves in found.values() for hardware in curves))
     if len(kinds) == 1:
         suffix = "" if kinds == [ChainHardware().text] else f", {kinds[0]}"

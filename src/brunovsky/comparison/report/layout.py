@@ -1,14 +1,18 @@
-"""How a table is set: which columns are flush right, which names of rows stand for several, which rows failed."""
+"""How a table is set: in how many parts, which columns are flush right, which rows share a name, which failed."""
 
 from __future__ import annotations
 
+import math
 import re
-from dataclasses import dataclass
-from itertools import groupby
+from dataclasses import dataclass, replace
+from itertools import groupby, pairwise
+from typing import TypeVar
 
 from brunovsky.comparison.facts import number
 from brunovsky.comparison.protocol_section import Cell, Table
 
+_T = TypeVar("_T")
+WIDEST = 6  # columns behind the heads of the rows that fit a page
 _NUMERIC = re.compile(
     r"(≈\u00a0)?−?[\d.]+(×10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?(\u00a0?%)?|[–∞]|−∞|ok|never|unstable|failed.*|singular.*|diverged.*"
 )
@@ -31,6 +35,28 @@ class Layout:
     flush_right: tuple[bool, ...]
     spans: tuple[int, ...]
     failed: tuple[bool, ...]
+
+
+def table_parts(table: Table) -> tuple[Table, ...]:
+    """A table in parts that fit a page: each with the heads of the rows and at most six of the columns behind them."""
+    count = len(table.columns) - table.heads
+    if not table.heads or count <= WIDEST:
+        return (table,)
+    parts = math.ceil(count / WIDEST)
+    ends = [table.heads + round(count * k / parts) for k in range(parts + 1)]
+    return tuple(
+        replace(
+            table,
+            columns=_some(table.columns, table.heads, first, last),
+            rows=tuple(_some(row, table.heads, first, last) for row in table.rows),
+            caption=f"{table.caption} (part {k} of {parts})".strip(),
+        )
+        for k, (first, last) in enumerate(pairwise(ends), 1)
+    )
+
+
+def _some(cells: tuple[_T, ...], heads: int, first: int, last: int) -> tuple[_T, ...]:
+    return (*cells[:heads], *cells[first:last])
 
 
 def table_layout(table: Table) -> Layout:

@@ -63,7 +63,7 @@ def linear_section(study: Study) -> LinearSection:
         surface_poles=poles_text(surface),
         shared=shares_one_linear_part(study),
         loops=Table("loops", ("loop", "gain K", "poles, 1/s"), rows),
-        margins=Table("margins", ("margin at v", *(one.title for one in loops)), margins),
+        margins=Table("margins", ("margin at v", *(one.title for one in loops)), margins, heads=1),
         figures=tuple(pictures) if "linear" in study.figures else (),
         findings=_predictions(found),
     )

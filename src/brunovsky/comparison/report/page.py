@@ -15,11 +15,12 @@ from brunovsky.comparison.agreement import engine_text
 from brunovsky.comparison.claim import Claim
 from brunovsky.comparison.claims import claims, examined
 from brunovsky.comparison.facts import given, joined, number
+from brunovsky.comparison.other_laws import other_laws_table
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocol_section import ProtocolSection, Table
 from brunovsky.comparison.report.data import agreement_data, metrics_table
 from brunovsky.comparison.report.definitions import metric_definitions
-from brunovsky.comparison.report.layout import cell_text, table_layout
+from brunovsky.comparison.report.layout import cell_text, table_layout, table_parts
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.linear import LinearSection, linear_section
 from brunovsky.comparison.report.overall import overall_table
@@ -48,6 +49,7 @@ class Content:
     comparison: Comparison
     verdict: tuple[str, ...]
     overall: Table
+    other_laws: Table
     claims: tuple[Claim, ...]
     limits: tuple[str, ...]
     groups: tuple[Group, ...]
@@ -62,7 +64,8 @@ class Content:
         rows = tuple((one.quote, one.verdict, one.shown) for one in self.claims)
         own = (metrics_table(self.comparison), self.overall, Table("claims", columns, rows))
         linear = (self.linear.loops, self.linear.margins)
-        return (*own, *linear, *(one.table for one in self.protocols if one.table is not None))
+        laws = (self.other_laws,) if self.other_laws.rows else ()
+        return (*own, *laws, *linear, *(one.table for one in self.protocols if one.table is not None))
 
 
 def report_content(comparison: Comparison, sections: Sequence[ProtocolSection] = ()) -> Content:
@@ -75,6 +78,7 @@ def report_content(comparison: Comparison, sections: Sequence[ProtocolSection] =
         comparison=comparison,
         verdict=tuple(verdict(comparison, found, sections)),
         overall=overall_table(comparison),
+        other_laws=other_laws_table(comparison),
         claims=tuple(found),
         limits=tuple(limits(comparison, found)),
         groups=groups,
@@ -161,7 +165,7 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"cell": cell_text, "layout": table_layout, "described": _described}
+    environment.filters |= {"cell": cell_text, "layout": table_layout, "parts": table_parts, "described": _described}
     environment.globals |= {"given": given, "number": number}
     environment.globals["inlined"] = lambda name: Markup(folder.joinpath(name).read_text(encoding="utf-8"))
     return environment

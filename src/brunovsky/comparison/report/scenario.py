@@ -80,7 +80,7 @@ def scenario_section(comparison: Comparison, scenario: Scenario) -> ScenarioSect
         conditions=conditions(runs[0]),
         figures=_pictures(comparison, scenario) if drawn else (),
         findings=tuple(scenario_findings(comparison, scenario)),
-        table=Table(f"metrics-{scenario.name}", columns, rows, caption),
+        table=Table(f"metrics-{scenario.name}", columns, rows, caption, heads=2),
         footnote=footnote(runs, comparison.study.metrics),
     )
 

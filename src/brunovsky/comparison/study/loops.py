@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any, Literal, get_args
 
 import brunovsky.blocks.library as library
-from brunovsky.blocks import Diagram
+from brunovsky.blocks import Block, Diagram
 
 LawKind = Literal[
     "linear",
@@ -90,6 +90,18 @@ class Loop:
         """The closed loop, made once."""
         return _made(self)
 
+    @property
+    def maker(self) -> Callable[..., Any]:
+        """Function of the library that makes the outer loop, or the whole one where the law is no block of its own."""
+        name = _RENAMED["sampled"] if self.controller in _OPTIONS else self.controller
+        made: Callable[..., Any] = getattr(library, _FROM_REST.get(self.controller, name))
+        return made
+
+    @property
+    def law(self) -> Block:
+        """Block of the outer loop; the whole loop where the law is no block of its own."""
+        return self.block.components.get("controller", self.block)
+
 
 def loop_of(kind: LawKind, hardware: Hardware = IDEAL) -> Loop:
     """Loop of a law of this kind."""
@@ -103,9 +115,7 @@ def knows_hardware(kind: LawKind) -> bool:
 
 @lru_cache
 def _made(loop: Loop) -> Diagram:
-    options = _OPTIONS.get(loop.controller, {})
-    name = _FROM_REST.get(loop.controller, _RENAMED["sampled"] if options else loop.controller)
-    make: Callable[..., Any] = getattr(library, name)
+    options, make = _OPTIONS.get(loop.controller, {}), loop.maker
     if loop.controller in _FROM_REST:
         whole: Diagram = make()
         return whole
