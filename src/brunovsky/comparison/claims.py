@@ -29,7 +29,8 @@ _TESTS: tuple[tuple[str, str, Test], ...] = (
     ),
     (
         "chattering “is considerably reduced, particularly for the first control input u1”",
-        "pole placement and the sign function in the same scenario, along a trajectory and without disturbance",
+        "a boundary layer and a sign function that chatters in the same scenario, along a trajectory and without "
+        "disturbance",
         claim_performance.chattering,
     ),
     (

@@ -155,17 +155,36 @@ def test_starts_are_not_judged_in_runs_that_are_too_short_to_settle(paper_runs, 
     assert of(replace(made, runs=runs), "strength of convergence").verdict == expected
 
 
-@pytest.mark.parametrize(("u1", "u2", "expected"), [(1.1, 1.1, "confirmed"), (1.1, 9.0, "confirmed under conditions"),
-                                                    (9.0, 9.0, "contradicted")])  # fmt: skip
-def test_chattering(paper_runs, u1, u2, expected):
-    made = altered(
-        paper_runs,
-        lambda run: {
-            "total_variation_u1": 100.0 * (u1 if run.planned.law == "sign" else 1.0),
-            "total_variation_u2": 100.0 * (u2 if run.planned.law == "sign" else 1.0),
-        },
-    )
-    assert of(made, "chattering").verdict == expected
+def rough(sign: tuple[float, float], layer: tuple[float, float]) -> Callable[[Run], Mapping[str, float]]:
+    """Variation of both inputs in the last quarter, under the sign function and with the boundary layer."""
+    of_law = {"sign": sign, "saturation": layer}
+    return lambda run: dict(zip(("roughness_u1", "roughness_u2"), of_law.get(run.planned.law, (0.0, 0.0)), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("sign", "layer", "expected"),
+    [
+        ((2.7, 5000.0), (1e-9, 1e-9), "confirmed under conditions"),
+        ((2.7, 5000.0), (0.1, 600.0), "confirmed under conditions"),
+        ((2.7, 5000.0), (2.7, 5000.0), "contradicted"),
+        ((1e-6, 5000.0), (1e-9, 1.0), "confirmed"),
+        ((1e-6, 1e-6), (1e-9, 1e-9), "not examined"),
+    ],
+)
+def test_chattering(paper_runs, sign, layer, expected):
+    assert of(altered(paper_runs, rough(sign, layer)), "chattering").verdict == expected
+
+
+def test_chatter_is_told_in_its_own_units_and_whatever_the_transient_was(paper_runs):
+    made = altered(paper_runs, rough((2.7, 5000.0), (1e-9, 600.0)))
+    shown = of(made, "chattering").shown
+    assert "u₁ by 2.70\u00a0m/s² under the sign function and less than 0.001\u00a0m/s² with the boundary" in shown
+    assert "u₂ by 5000\u00a0rad/s² under the sign function and 600\u00a0rad/s² with" in shown
+    assert "in 4 of 4 for u₁ and 0 of 4 for u₂" in shown and "keeps within" in shown
+    beyond = altered(paper_runs, rough((30.0, 5000.0), (0.0, 0.0)))
+    assert "keeps within" not in of(beyond, "chattering").shown
+    transient = altered(made, lambda run: {"total_variation_u1": 1e-3, "total_variation_u2": 1e-3})
+    assert of(transient, "chattering").shown == shown
 
 
 @pytest.mark.parametrize(("factor", "expected"), [(0.01, "confirmed under conditions"), (1.0, "contradicted")])
