@@ -98,7 +98,13 @@ def errors(comparison: Comparison, cases: list[Case]) -> Finding | None:
     nil = all(largest(run, "rms_tail_error") < ROUNDING for run in (*linear, *sliding))
     text = "On the circle and without disturbance the RMS error of the last quarter is "
     if nil:
-        text += "below 1 nm under each law: nil for every purpose, and no merit of the switching term."
+        names = sorted(
+            {run.planned.law for run in (*linear, *sliding)}, key=[law.name for law in comparison.study.laws].index
+        )
+        text += f"below 1 nm under each of the paper’s laws ({joined([f'“{name}”' for name in names])}): nil for every "
+        text += "purpose, and no merit of the switching term."
+        if any(not law.in_family for law in comparison.study.laws):
+            text += " Laws of other kinds are not meant; the tables have theirs."
     else:
         text += f"{spread_of(linear, 'rms_tail_error', 'm', 2)} under pole placement and "
         text += f"{spread_of(sliding, 'rms_tail_error', 'm', 2)} under sliding mode."

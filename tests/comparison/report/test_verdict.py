@@ -155,6 +155,16 @@ def test_starts_are_not_judged_in_runs_that_are_too_short_to_settle(paper_runs, 
     assert of(replace(made, runs=runs), "strength of convergence").verdict == expected
 
 
+def test_small_steady_state_errors_are_those_of_the_laws_that_are_named(paper_runs):
+    made = altered(paper_runs, lambda run: {"rms_tail_error": 1e-12})
+    shown = of(made, "steady state errors").shown
+    assert "under each of the paper’s laws (“linear”, “saturation” and “sign”)" in shown
+    assert "Laws of other kinds" not in shown
+    other = paper_runs.study.law("linear").model_copy(update={"name": "other", "kind": "disturbance_observer"})
+    study = paper_runs.study.model_copy(update={"laws": (*paper_runs.study.laws, other)})
+    assert "Laws of other kinds are not meant" in of(replace(made, study=study), "steady state errors").shown
+
+
 def rough(sign: tuple[float, float], layer: tuple[float, float]) -> Callable[[Run], Mapping[str, float]]:
     """Variation of both inputs in the last quarter, under the sign function and with the boundary layer."""
     of_law = {"sign": sign, "saturation": layer}
