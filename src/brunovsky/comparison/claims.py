@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from brunovsky.comparison import claim_limits, claim_performance, claim_starts
+from brunovsky.comparison import claim_limits, claim_performance, claim_robustness, claim_starts
 from brunovsky.comparison.claim import Case, Claim, Finding
 from brunovsky.comparison.facts import joined
 from brunovsky.comparison.run import Comparison, Run
@@ -41,8 +41,9 @@ _TESTS: tuple[tuple[str, str, Test], ...] = (
     ),
     (
         "“The robustness is guaranteed in the presence of parameter uncertainty or unmodeled dynamics”",
-        "pole placement and the sign function in the same scenario, with a disturbance or with uncertainty that tells",
-        claim_limits.robustness,
+        "pole placement and the sign function in the same scenario, with a disturbance, uncertainty that tells or "
+        "lags, delays, limits or sampling of the actuators",
+        claim_robustness.robustness,
     ),
     (
         "“SMC is robust against external disturbance and noise”, as to noise",
@@ -84,7 +85,7 @@ def claims(comparison: Comparison) -> list[Claim]:
     ideal = _cases(comparison, _is_the_papers) if every else []
     failed = [run.planned.name for run in comparison.runs if not run.ok and run.planned.in_family]
     return [
-        _claim(quote, needs, test(comparison, every if test is claim_limits.robustness else ideal), failed)
+        _claim(quote, needs, test(comparison, every if test is claim_robustness.robustness else ideal), failed)
         for quote, needs, test in _TESTS
     ]
 

@@ -12,13 +12,15 @@ from brunovsky.comparison.claims import claims
 from brunovsky.comparison.facts import number
 from brunovsky.comparison.features import features
 from brunovsky.comparison.findings import scenario_findings
+from brunovsky.comparison.measured_margins import MeasuredMargin
 from brunovsky.comparison.metrics import Metrics
 from brunovsky.comparison.protocol_sections import protocol_sections
-from brunovsky.comparison.protocols import swept
+from brunovsky.comparison.protocols import MeasuredLoopMargins, swept
+from brunovsky.comparison.protocols.margin_rows import QUANTITIES, MarginRow
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.sensitivity import step_note
-from brunovsky.comparison.study.loops import Loop
+from brunovsky.comparison.study.loops import Hardware, Loop
 
 
 def altered(
@@ -202,6 +204,80 @@ def test_robustness_is_never_confirmed_without_conditions_where_dynamics_are_mis
     made = altered(paper_runs, scaled("rms_tail_error", factor, 1e-3))
     made = altered(made, scaled("settling_time", 1.0))
     assert of(made, "robustness").verdict == expected
+
+
+def behind_lags(comparison: Comparison, scenarios: tuple[str, ...]) -> Comparison:
+    """Runs of some scenarios as if their actuators lagged."""
+    lagging = replace(paper_loop(comparison), hardware=Hardware(lags=(0.005, 0.005)))
+    runs = tuple(
+        replace(run, planned=replace(run.planned, loop=lagging)) if run.planned.scenario in scenarios else run
+        for run in comparison.runs
+    )
+    return replace(comparison, runs=runs)
+
+
+def paper_loop(comparison: Comparison) -> Loop:
+    return comparison.runs[0].planned.loop
+
+
+@pytest.mark.parametrize(
+    ("times", "word", "count"),
+    [
+        ((1.0, 1.0), "confirmed.", "2 of 2"),
+        ((1.0, None), "confirmed under conditions.", "1 of 2"),
+        ((1.0, 19.0), "confirmed under conditions.", "1 of 2"),
+        ((None, None), "contradicted.", "0 of 2"),
+    ],
+)
+def test_unmodelled_dynamics_are_judged_where_runs_have_them(paper_runs, times, word, count):
+    scenarios = ("fig6-inside", "fig6-outside")
+    by_run = {f"{scenario}/sign": one for scenario, one in zip(scenarios, times, strict=True)}
+    made = altered(paper_runs, lambda run: {"settling_1mm": by_run.get(run.planned.name, 1.0)})
+    shown = of(behind_lags(made, scenarios), "robustness").shown
+    assert f"Unmodelled dynamics: {word} As stood counts what settles to 1 mm for good" in shown
+    assert f"under the sign function {count}, under pole placement 2. " in shown
+    assert "Unmodelled dynamics: not examined." in of(made, "robustness").shown
+
+
+def test_a_run_that_fails_behind_a_lag_is_not_stood(paper_runs):
+    made = behind_lags(altered(paper_runs, lambda run: {"settling_1mm": 1.0}), ("fig6-inside",))
+    shown = of(failed(made, "fig6-inside/sign"), "robustness").shown
+    assert "Unmodelled dynamics: contradicted." in shown and "the run failed (singular) under the sign" in shown
+
+
+@pytest.mark.parametrize(
+    ("relay", "words"), [(3.55e-3, "3.55 ms under “linear” and “sign”"), (9e-3, "3.55 ms under “linear” and 9.00 ms")]
+)
+def test_measured_margins_are_part_of_the_claim_on_robustness(paper_runs, relay, words):
+    delay = next(one for one in QUANTITIES if one.name == "delay")
+    rows = tuple(
+        MarginRow(law, "both", delay, MeasuredMargin(value, 1.1 * value, 9), 0.018, None)
+        for law, value in (("linear", 3.55e-3), ("sign", relay))
+    )
+    protocol = SimpleNamespace(
+        table=SimpleNamespace(scenario="fig6-outside"), result=MeasuredLoopMargins(rows, 0.002, 0.01)
+    )
+    shown = of(replace(paper_runs, protocols=(protocol,)), "robustness").shown
+    assert "Unmodelled dynamics: confirmed under conditions. Measured by bisection, the loop stands up to: " in shown
+    title = paper_runs.study.scenario("fig6-outside").title
+    assert f"“{title}”: delay at both {words}" in shown
+
+
+@pytest.mark.parametrize(("factor", "word"), [(0.05, "confirmed"), (0.5, "contradicted")])
+def test_disturbances_are_judged_by_a_threshold_that_is_printed(paper_runs, factor, word):
+    shown = of(altered(paper_runs, scaled("rms_tail_error", factor, 1e-3)), "robustness").shown
+    assert f"Disturbances: {word}. As rejected counts what leaves less than a tenth of the error under" in shown
+    assert ("2 of 2. " in shown) == (factor == 0.05)
+
+
+@pytest.mark.parametrize(("relay", "word"), [(1.05, "confirmed"), (1.5, "contradicted")])
+def test_parameters_are_judged_by_the_delay_they_cause(paper_runs, relay, word):
+    def change(run):
+        slow = 1.0 if not run.planned.is_uncertain else relay if run.planned.law == "sign" else 1.4
+        return {"settling_time": slow}
+
+    shown = of(altered(paper_runs, change), "robustness").shown
+    assert f"Parameters: {word}. As rejected counts a delay of less than half of that under pole placement" in shown
 
 
 NOISE = FrozenMapping({"n[1]": 1e-3})
