@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from brunovsky.comparison import claim_limits, claim_performance, claim_robustness, claim_starts
+from brunovsky.comparison import claim_limits, claim_noise, claim_performance, claim_robustness, claim_starts
 from brunovsky.comparison.claim import Case, Claim, Finding
 from brunovsky.comparison.facts import joined
 from brunovsky.comparison.run import Comparison, Run
@@ -48,7 +48,7 @@ _TESTS: tuple[tuple[str, str, Test], ...] = (
     (
         "“SMC is robust against external disturbance and noise”, as to noise",
         "pole placement and a sliding mode in the same scenario with measurement noise",
-        claim_starts.noise,
+        claim_noise.noise,
     ),
     (
         "“Important errors introduced in the initial conditions show the strength of convergence in different cases”",

@@ -15,7 +15,7 @@ from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.measured_margins import MeasuredMargin
 from brunovsky.comparison.metrics import Metrics
 from brunovsky.comparison.protocol_sections import protocol_sections
-from brunovsky.comparison.protocols import MeasuredLoopMargins, swept
+from brunovsky.comparison.protocols import MeasuredLoopMargins, monte_carlo, swept
 from brunovsky.comparison.protocols.margin_rows import QUANTITIES, MarginRow
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.verdict import verdict
@@ -324,6 +324,51 @@ def test_less_error_where_more_than_noise_acts_confirms_no_robustness_against_no
     assert found.verdict == "confirmed under conditions" and "not counted, as more than noise acts" in found.shown
     worse = {"fig6-inside/sign": 2.0, "fig6-inside/saturation": 2.0}
     assert of(noisy(paper_runs, (disturbed, "fig6-inside"), better | worse), "as to noise").verdict == "contradicted"
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside", "words"),
+    [
+        (0.5, 1.5, "It holds for noise on the position, not for noise on the velocities."),
+        (1.5, 0.5, "It holds for noise on the velocities, not for noise on the position."),
+        (1.5, 1.5, "It holds for none of them."),
+    ],
+)
+def test_the_claim_on_noise_names_what_is_noisy(paper_runs, inside, outside, words):
+    factors = {f"fig6-{name}/{law}": factor for name, factor in (("inside", inside), ("outside", outside))
+               for law in ("sign", "saturation")}  # fmt: skip
+    made = noisy(paper_runs, ("fig6-inside", "fig6-outside"), factors)
+    velocities = FrozenMapping({"n[4]": 1e-3})
+    runs = tuple(
+        replace(run, planned=replace(run.planned, noise=velocities)) if run.planned.scenario == "fig6-outside" else run
+        for run in made.runs
+    )
+    assert of(replace(made, runs=runs), "as to noise").shown.endswith(words)
+
+
+@pytest.mark.parametrize(
+    ("factor", "expected", "words"),
+    [
+        (1.4, "confirmed under conditions", "the IAE is 29\u00a0% lower under “linear” than under “saturation”"),
+        (0.5, "confirmed", "the IAE is 50\u00a0% lower under “saturation” than under “linear”"),
+    ],
+)
+def test_a_paired_study_speaks_to_noise(paper_runs, factor, expected, words):
+    made = noisy(paper_runs, ("fig6-inside",), {})
+
+    def evaluate(law, parameters, case):
+        return {"iae": (1.0 + 1e-3 * case) * (1.0 if law == "linear" else factor), "min_speed_moving": 1.0}
+
+    result = monte_carlo(evaluate, {"linear": {}, "saturation": {}}, {}, metrics=["iae"], cases=40, seed=1)
+    protocol = SimpleNamespace(table=SimpleNamespace(scenario="fig6-inside"), result=result)
+    found = of(replace(made, protocols=(protocol,)), "as to noise")
+    assert found.verdict == expected and words in found.shown and "Over 40 paired cases" in found.shown
+    level = monte_carlo(
+        lambda law, parameters, case: {"iae": 1.0, "min_speed_moving": 1.0},
+        {"linear": {}, "saturation": {}}, {}, metrics=["iae"], cases=40, seed=1,
+    )  # fmt: skip
+    same = SimpleNamespace(table=SimpleNamespace(scenario="fig6-inside"), result=level)
+    assert "paired cases" not in of(replace(made, protocols=(same,)), "as to noise").shown
 
 
 def test_a_failed_run_is_told_first_and_confirms_nothing_without_conditions(paper_runs):
