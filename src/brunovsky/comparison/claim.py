@@ -16,6 +16,7 @@ from brunovsky.comparison.study import Law, Scenario
 
 PRINTED = {"C[1]": 500.0, "C[2]": 10.0, "C[3]": 1.0, "Q": 5.0}  # the paper's gains of the linear part
 PRINTED_P = 2.5  # and of the switching term
+SLIDING = ("saturation", "sign")  # kinds of the paper's laws with a switching term
 
 Case = tuple[Scenario, dict[str, Run]]
 

@@ -1,120 +1,16 @@
-"""Claims of the paper about robustness, orientation and the reach of the method."""
+"""Claims of the paper about orientation and the reach of the method."""
 
 from __future__ import annotations
 
 import math
 
-from brunovsky.comparison.claim import Case, Finding, is_nominal, is_regulation
-from brunovsky.comparison.facts import change, given, joined, number, percent, spread, wrapped
-from brunovsky.comparison.features import features
-from brunovsky.comparison.findings_steady import HARDLY, ROUNDING
-from brunovsky.comparison.residuals import disturbed, tail_peaks, within_bounds
+from brunovsky.comparison.claim import Case, Finding, is_regulation
+from brunovsky.comparison.facts import given, joined, number, percent, spread, wrapped
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import MARK, both, converged, facts_of, largest, settled, sure_change, told
-from brunovsky.comparison.study import Scenario
+from brunovsky.comparison.sensitivity import MARK, both, facts_of, settled, sure_change, told
 
 AIMED = 0.1  # rad; a heading that ends this near to a wanted one counts as stabilised, and one that moves by more at
 # half the step as not converged
-
-
-def robustness(comparison: Comparison, cases: list[Case]) -> Finding | None:
-    """What disturbances and uncertainty do under the sign function and under pole placement."""
-    kinds = {law.name: law.kind for law in comparison.study.laws}
-    parts: list[str] = []
-    rejected: list[bool] = []
-    idle: list[str] = []
-    unknown: list[str] = []
-    remaining: set[float] = set()
-    count = 0
-    for scenario, runs in cases:
-        by_kind = {kinds[name]: run for name, run in runs.items()}
-        linear, relay = by_kind.get("linear"), by_kind.get("sign")
-        if linear is None or relay is None or is_nominal(linear) or linear.planned.noise:
-            continue
-        if disturbed(linear.planned):
-            if not any(tail_peaks(linear.planned).values()):
-                continue  # of what has passed by the last quarter nothing is left to compare
-            count += 1
-            rejected.append(largest(relay, "rms_tail_error") < max(_least(linear) / 10.0, ROUNDING))
-            parts.append(f"{scenario.title}: {_residuals(linear, relay)}")
-            if tail_peaks(linear.planned)["d[1]"] > 0.0 and not rejected[-1]:
-                remaining.update(run.planned.parameters["P"] for run in (linear, relay))
-            continue
-        slower = _slower(cases, scenario, {"linear": linear, "sign": relay})
-        if not slower:
-            unknown.append(scenario.title)
-        elif max(map(abs, slower.values())) <= HARDLY:
-            idle.append(scenario.title)
-        else:
-            rejected.append(slower["sign"] < slower["linear"] / 2.0)
-            parts.append(f"{scenario.title}: {_slowed(linear, relay, slower, rejected[-1])}")
-    if not parts:
-        return None
-    text = f"{'; '.join(parts)}."
-    if remaining:
-        gains = [f"{given(gain)}\u00a0m/s³" for gain in sorted(remaining)]
-        text += f" What enters the chains below v (unmatched) remains at every P that was run ({joined(gains)}), z″"
-        text += " being computed from the model."
-    if idle:
-        text += f" Not counted, as it tests neither law (nil error, and hardly any delay, under both): {joined(idle)}."
-    if unknown:
-        text += " Not counted, as the delay against a nominal run cannot be told (there is none, it starts within"
-        text += " 1 cm, had not settled for good, or the time is not converged with the step): "
-        text += f"{joined(unknown)}."
-    dynamics = features(comparison.study) & {"lag", "delay"}
-    if not dynamics:
-        text += " Unmodelled dynamics are not in this study."
-    if not any(rejected):
-        return Finding("contradicted", text)
-    complete = all(rejected) and len(rejected) > count and bool(dynamics)
-    return Finding("confirmed" if complete else "confirmed under conditions", text)
-
-
-def _least(run: Run) -> float:
-    return min(one or 0.0 for one in both(run, "rms_tail_error"))
-
-
-def _residuals(linear: Run, relay: Run) -> str:
-    name = "rms_tail_error"
-    text = f"RMS error over the last quarter {told(linear, name)} m under pole placement, {told(relay, name)} m under "
-    text += "the sign function"
-    half = both(relay, name)[1]
-    if not converged(relay, name) and half is not None:
-        text += f" ({number(half, 2)} m at half the step)"
-    return text if within_bounds(relay) else f"{text}, the disturbance being beyond the bound that P rejects"
-
-
-def _slower(cases: list[Case], scenario: Scenario, runs: dict[str, Run]) -> dict[str, float]:
-    """Relative change of the settling time of runs with uncertainty against the nominal scenario, by kind of law."""
-    found: dict[str, float] = {}
-    for other, others in cases:
-        for kind, run in runs.items():
-            twin = others.get(run.planned.law)
-            if other is scenario or twin is None or not is_nominal(twin) or not _differ_in_rho(run, twin):
-                continue
-            one = change(run.metrics.settling_time, twin.metrics.settling_time)
-            if one is not None and all(settled(each) and converged(each, "settling_time") for each in (run, twin)):
-                found[kind] = one
-    return found if set(found) == set(runs) else {}
-
-
-def _differ_in_rho(run: Run, twin: Run) -> bool:
-    a, b = ({name: value for name, value in one.planned.parameters.items() if "rho" not in name} for one in (run, twin))
-    return a == b and run.planned.duration == twin.planned.duration
-
-
-def _slowed(linear: Run, relay: Run, slower: dict[str, float], rejected: bool) -> str:
-    text = (
-        f"settling to 1 cm takes {linear.metrics.settling_time:.3f} s under pole placement "
-        f"({percent(slower['linear'])} longer than nominal), {relay.metrics.settling_time:.3f} s under the "
-        f"sign function ({percent(slower['sign'])} longer)"
-    )
-    p = linear.planned.parameters
-    if rejected or p["rho[2]"] == 1.0:
-        return text
-    what = "an error of the yaw gain" if p["rho[1]"] == 1.0 else "errors of both gains, matched and unmatched together"
-    help_ = "P makes it worse" if slower["sign"] > slower["linear"] + HARDLY else "P does not help against it"
-    return f"{text}: {what}, whose jerk exceeds P while u₂ is large, so that {help_}"
 
 
 def orientation(comparison: Comparison, cases: list[Case]) -> Finding | None:

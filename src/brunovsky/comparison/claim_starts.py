@@ -1,17 +1,14 @@
-"""Claims of the paper about different starts, and about noise."""
+"""The claim of the paper about different starts."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from brunovsky.comparison.claim import Case, Finding, Verdict, is_long_enough, is_nominal, of_kind, pairs
-from brunovsky.comparison.facts import percent, spread
-from brunovsky.comparison.features import run_features
-from brunovsky.comparison.findings_steady import HARDLY
+from brunovsky.comparison.claim import SLIDING, Case, Finding, Verdict, is_long_enough, is_nominal, of_kind
+from brunovsky.comparison.facts import spread
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import is_tiny, settled, sure_change, told
+from brunovsky.comparison.sensitivity import settled
 
-_SLIDING = ("saturation", "sign")
 _START = ("x_start", "y_start", "theta_start", "eta_start[1]", "eta_start[2]", "u_start[1]")
 
 
@@ -20,7 +17,7 @@ def starts(comparison: Comparison, cases: list[Case]) -> Finding | None:
 
     Only runs are judged whose error exceeds the threshold at all, and that are long enough to settle.
     """
-    nominal = _nominal(comparison, cases, _SLIDING)
+    nominal = _nominal(comparison, cases, SLIDING)
     sliding = [run for run in nominal if _can_be_judged(run)]
     count = len({_start(run) for run in sliding})
     failed = _failed(comparison)
@@ -64,50 +61,9 @@ def _nominal(comparison: Comparison, cases: list[Case], kinds: Sequence[str]) ->
 
 def _failed(comparison: Comparison) -> int:
     """Undisturbed runs under sliding mode that did not reach their end."""
-    names = {law.name for law in of_kind(comparison, _SLIDING)}
+    names = {law.name for law in of_kind(comparison, SLIDING)}
     return sum(not run.ok and run.planned.law in names and is_nominal(run) for run in comparison.runs)
 
 
 def _start(run: Run) -> tuple[float, ...]:
     return tuple(run.planned.parameters[name] for name in _START)
-
-
-def noise(comparison: Comparison, cases: list[Case]) -> Finding | None:
-    """What measurement noise leaves under sliding mode, against pole placement, scenario by scenario.
-
-    Only scenarios with noise and nothing else decide: where a disturbance acts too, less error need not be the noise's.
-    """
-    alone: list[float | None] = []
-    parts: list[str] = []
-    for one in cases:
-        noisy = [(a, b) for _, a, b in pairs(comparison, [one], _SLIDING) if "noise" in run_features(a.planned)]
-        found = [(a, b, sure_change(b, a, "rms_tail_error")) for a, b in noisy]
-        if not any(change is not None for _, _, change in found):
-            continue
-        pure = all(run_features(a.planned) == {"noise"} for a, _, _ in found)
-        alone += [change for _, _, change in found] if pure else []
-        aside = "" if pure else " (not counted, as more than noise acts)"
-        parts.append(f"{one[0].title}{aside}: {', '.join(_against(*pair) for pair in found)}")
-    if not parts:
-        return None
-    text = f"RMS error of the last quarter with measurement noise, against pole placement. {'; '.join(parts)}."
-    known = [change for change in alone if change is not None]
-    if not known or min(known) <= HARDLY < max(known):
-        return Finding("confirmed under conditions", text)
-    if min(known) > HARDLY:
-        return Finding("contradicted", text)
-    return Finding("confirmed" if len(known) == len(alone) else "confirmed under conditions", text)
-
-
-def _against(linear: Run, other: Run, change: float | None) -> str:
-    """Whether the error under another law is less than under pole placement, with both numbers."""
-    name, law = "rms_tail_error", f"under “{other.planned.law}”"
-    numbers = f"{told(other, name)} instead of {told(linear, name)} m"
-    if change is None:
-        return f"not told {law}, as the step decides ({numbers})"
-    word = "better" if change < 0.0 else "worse"
-    if is_tiny(linear, name):
-        return f"{'level' if abs(change) <= HARDLY else word} {law} ({numbers})"
-    if abs(change) <= HARDLY:
-        return f"level {law} ({numbers})"
-    return f"{word} {law} ({percent(change)}: {numbers})"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from brunovsky.comparison import claim_limits, claim_performance, claim_starts
+from brunovsky.comparison import claim_limits, claim_noise, claim_performance, claim_robustness, claim_starts
 from brunovsky.comparison.claim import Case, Claim, Finding
 from brunovsky.comparison.facts import joined
 from brunovsky.comparison.run import Comparison, Run
@@ -29,7 +29,8 @@ _TESTS: tuple[tuple[str, str, Test], ...] = (
     ),
     (
         "chattering “is considerably reduced, particularly for the first control input u1”",
-        "pole placement and the sign function in the same scenario, along a trajectory and without disturbance",
+        "a boundary layer and a sign function that chatters in the same scenario, along a trajectory and without "
+        "disturbance",
         claim_performance.chattering,
     ),
     (
@@ -40,13 +41,14 @@ _TESTS: tuple[tuple[str, str, Test], ...] = (
     ),
     (
         "“The robustness is guaranteed in the presence of parameter uncertainty or unmodeled dynamics”",
-        "pole placement and the sign function in the same scenario, with a disturbance or with uncertainty that tells",
-        claim_limits.robustness,
+        "pole placement and the sign function in the same scenario, with a disturbance, uncertainty that tells or "
+        "lags, delays, limits or sampling of the actuators",
+        claim_robustness.robustness,
     ),
     (
         "“SMC is robust against external disturbance and noise”, as to noise",
         "pole placement and a sliding mode in the same scenario with measurement noise",
-        claim_starts.noise,
+        claim_noise.noise,
     ),
     (
         "“Important errors introduced in the initial conditions show the strength of convergence in different cases”",
@@ -83,7 +85,7 @@ def claims(comparison: Comparison) -> list[Claim]:
     ideal = _cases(comparison, _is_the_papers) if every else []
     failed = [run.planned.name for run in comparison.runs if not run.ok and run.planned.in_family]
     return [
-        _claim(quote, needs, test(comparison, every if test is claim_limits.robustness else ideal), failed)
+        _claim(quote, needs, test(comparison, every if test is claim_robustness.robustness else ideal), failed)
         for quote, needs, test in _TESTS
     ]
 
