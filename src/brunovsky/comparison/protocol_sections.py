@@ -121,6 +121,7 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
         findings=(*findings, *_agreement(one)),
         caption=f"{_title(result)}, “{scenario}”.",
         headline=_headline(result, findings, scenario),
+        leads=isinstance(result, Coupling),
     )
 
 

@@ -12,6 +12,7 @@ from brunovsky.comparison.protocol_sections import protocol_sections
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import step_note
+from brunovsky.comparison.step_words import step_text
 from brunovsky.comparison.tables import conditions, footnote, metric_rows
 
 LONGEST = 100  # rows of a table that is kept
@@ -42,8 +43,8 @@ def summary_markdown(comparison: Comparison) -> str:
         "",
         f"{study.description}",
         "",
-        f"Written from the runs of `{study.name}.toml` (engine {comparison.engine}, step {study.step_size_s * 1e3:g} "
-        "ms). The report of a run has the figures, the poles, all metrics and the limits of the study.",
+        f"Written from the runs of `{study.name}.toml` (engine {comparison.engine}, {step_text(comparison)}). "
+        "The report of a run has the figures, the poles, all metrics and the limits of the study.",
         "",
         f"All numbers are those of this step. {step_note(comparison.engine)}",
     ]
