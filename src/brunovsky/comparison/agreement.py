@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
@@ -9,13 +10,14 @@ from typing import Any, Literal
 import numpy as np
 
 from brunovsky.comparison.engines import Outcome
-from brunovsky.comparison.facts import given, number
+from brunovsky.comparison.facts import given, number, spread
 from brunovsky.comparison.study import PlannedRun
 from brunovsky.comparison.study.signals import Array
 
 POSITION_TOLERANCE = 1e-9  # m; below it two engines agree for every purpose of a study
 HALVED = 0.6  # what first order leaves of an error at half the step, 1/2, with room for higher orders
 _ON_SURFACE = 1e-9  # m/s2; a start this near S = 0 leaves the branch of a sign function to rounding
+ORDERS = {"jacobi": "all at once", "gauss_seidel": "in sequence"}
 Basis = Literal["rounding", "coupling", "models"]
 
 
@@ -183,12 +185,37 @@ def _bounds_text(found: Sequence[Agreement]) -> str:
     )
 
 
+def coupling_headline(found: Sequence[Agreement], provenance: Mapping[str, Any]) -> str:
+    """Size and order of the coupling error of runs through a package, or how far another model is; else empty."""
+    positions = [one.position for one in found if one.position is not None]
+    if not positions or found[0].basis == "rounding":
+        return ""
+    largest = number(max(positions))
+    if found[0].basis == "models":
+        return (
+            f"The file of the study’s own and the native loop of the package are up to {largest} m apart in position."
+        )
+    pairs = [(one.position, one.position_at_half_step) for one in found if one.position and one.position_at_half_step]
+    text = (
+        f"Coupled {ORDERS[provenance['scheme']]} with inputs held and a communication step of "
+        f"{given(1e3 * provenance['communication_step'])} ms, the runs are up to {largest} m in position from the loop "
+        "as one system"
+    )
+    if pairs:
+        orders = [math.log2(whole / half) for whole, half in pairs]
+        text += (
+            f", at half the step up to {number(max(half for _, half in pairs))} m: an error of order "
+            f"{spread(orders, '')}".rstrip()
+        )
+    return f"{text}. All numbers of the runs contain it."
+
+
 def engine_text(engine: str, provenance: Mapping[str, Any], found: Sequence[Agreement]) -> str:
     """What ran a study, in a sentence."""
     if engine == "native":
         return "Run by the native simulation, not through an FMU."
     if engine == "ssp":
-        order = "in sequence" if provenance["scheme"] == "gauss_seidel" else "all at once"
+        order = ORDERS[provenance["scheme"]]
         return (
             f"Run through the FMUs of {provenance['ssp']}, which exchange values every "
             f"{given(1e3 * provenance['communication_step'])} ms, {order}, and compared with the native simulation."

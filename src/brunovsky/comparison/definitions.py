@@ -20,7 +20,7 @@ class Definition:
     sentence : str
         What is measured, when it is not defined.
     formula : str
-        The same in symbols; e is the position error (m), T the duration, t_k the internal steps.
+        The same in symbols; e is the position error (m), T the duration, t_k the recorded instants.
     """
 
     name: str
@@ -144,14 +144,14 @@ CONTRACT_METRICS = tuple(
             "total_variation_u1",
             "total variation of u₁",
             "m/s²",
-            "Sum of the absolute changes of the forward acceleration from one internal step to the next.",
+            "Sum of the absolute changes of the forward acceleration from one recorded instant to the next.",
             "Σ |u₁(t_k+1) − u₁(t_k)|",
         ),
         (
             "total_variation_u2",
             "total variation of u₂",
             "rad/s²",
-            "Sum of the absolute changes of the yaw acceleration from one internal step to the next.",
+            "Sum of the absolute changes of the yaw acceleration from one recorded instant to the next.",
             "Σ |u₂(t_k+1) − u₂(t_k)|",
         ),
     )

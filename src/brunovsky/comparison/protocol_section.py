@@ -73,6 +73,8 @@ class ProtocolSection:
         Of the figure, also what a screen reader says of it; the title by default.
     headline : str
         One sentence for the verdict at the top of the report; may be empty.
+    leads : bool
+        Whether that sentence comes before the comparison of laws, for it tells what the study is about.
     """
 
     title: str
@@ -82,6 +84,7 @@ class ProtocolSection:
     findings: tuple[str, ...] = ()
     caption: str = ""
     headline: str = ""
+    leads: bool = False
 
 
 def _defined(cell: Cell) -> Cell:

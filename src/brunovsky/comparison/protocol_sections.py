@@ -123,12 +123,13 @@ def _section(one: ProtocolRun, index: int, scenario: str, titles: Mapping[str, s
         findings=(*findings, *_agreement(one)),
         caption=f"{_title(result)}, “{scenario}”. {_reading(result)}".rstrip(),
         headline=_headline(result, findings, scenario),
+        leads=isinstance(result, Coupling),
     )
 
 
 def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
     """What the verdict says of a protocol: of the metric that the study names first, or of the fronts."""
-    if isinstance(result, MonteCarlo | Map):
+    if isinstance(result, MonteCarlo | Map | Coupling):
         return f"“{scenario}”: {result.headline()}"
     if isinstance(result, EqualEffort):
         findings = [result.headline()] if result.headline() else []
@@ -136,7 +137,7 @@ def _headline(result: Result, findings: Sequence[str], scenario: str) -> str:
         return ""
     if isinstance(result, Pareto):  # who dominates whom; the hypervolume that follows it ranks nothing
         return f"“{scenario}”: {findings[-2] if len(findings) > 1 else findings[-1]}"
-    return f"“{scenario}”: {findings[-1 if isinstance(result, MeasuredLoopMargins | Coupling) else 0]}"
+    return f"“{scenario}”: {findings[-1 if isinstance(result, MeasuredLoopMargins) else 0]}"
 
 
 def _title(result: Result) -> str:

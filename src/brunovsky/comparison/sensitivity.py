@@ -19,7 +19,7 @@ def step_note(engine: str) -> str:
     share = f"{100 * CONVERGED:g}\u00a0%"
     if engine == "ssp":
         return (
-            "Each run was repeated natively, as one system and at half the step: a number marked "
+            "Each run was repeated natively, as one system and at half the internal step: a number marked "
             f"{MARK.strip()} differs by more than {share} there, by the error of the coupling, the step or both, so "
             "that it is no property of the law alone, and no law is ranked by it."
         )

@@ -17,6 +17,7 @@ from brunovsky.comparison.report.overall import overall_table
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import step_note
+from brunovsky.comparison.step_words import step_text
 from brunovsky.comparison.symbols import with_key_unit
 from brunovsky.comparison.tables import conditions
 
@@ -38,9 +39,9 @@ def summary_markdown(comparison: Comparison) -> str:
         "",
         f"{study.description}",
         "",
-        f"Written from the runs of `{study.name}.toml` (engine {comparison.engine}, step {study.step_size_s * 1e3:g} "
-        "ms). The report of a run has the figures, what each protocol does and cannot say, the poles, all metrics, the "
-        "tables that are not here and the limits of the study.",
+        f"Written from the runs of `{study.name}.toml` (engine {comparison.engine}, {step_text(comparison)}). The report "
+        "of a run has the figures, what each protocol does and cannot say, the poles, all metrics, the tables that are "
+        "not here and the limits of the study.",
         "",
         f"All numbers are those of this step. {step_note(comparison.engine)}",
     ]

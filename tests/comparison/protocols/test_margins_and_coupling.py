@@ -5,9 +5,12 @@ import math
 import pytest
 
 from brunovsky.analysis import CouplingError
-from brunovsky.comparison.protocols.coupling import coupling_of
+from brunovsky.comparison.coupling_runs import run_coupling
+from brunovsky.comparison.protocols.coupling import Layer, coupling_of
+from brunovsky.comparison.protocols.coupling_figure import coupling_figure
 from brunovsky.comparison.protocols.margins import margins_of
 from brunovsky.comparison.protocols.margins_figure import margins_figure
+from brunovsky.comparison.study import Study
 
 LIMITS = {"delay": (0.0, 0.0183), "gain": (0.3, math.inf), "sampling": (0.0, 0.02)}
 
@@ -121,11 +124,79 @@ def errors(order, limit):
 def test_order_and_limit_of_a_coupling():
     limits = {("a", "jacobi", 0): 0.02}
     right = coupling_of({"a": errors(1, 0.02)}, limits, large=1.0, small=2e-3)
-    assert "order 1.00" in right.findings()[0]
-    assert right.findings()[-1].startswith("For 1 of 1 couplings")
+    assert "order 1.00" in right.findings()[0] and "falls with order 1.00" in right.headline()
+    assert "in 1 of 1 couplings with steps tried on both sides" in right.findings()[-1]
     wrong = coupling_of({"a": errors(2, 0.005)}, limits, large=1.0, small=2e-3)
     assert "order 2.00" in wrong.findings()[0]
-    assert wrong.findings()[-1].startswith("For 0 of 1 couplings") and "not so for “a”" in wrong.findings()[-1]
+    assert "in 0 of 1 couplings" in wrong.findings()[-1] and "not so for “a”" in wrong.findings()[-1]
     cells = {row["step"]: row for row in right.summary_rows()}
     assert cells["50 ms"]["all at once, 0 derivatives, m"] == "fails"
-    assert cells["predicted limit"]["all at once, 0 derivatives, m"] == "20.00 ms"
+    assert cells["predicted limit (P = 0)"]["all at once, 0 derivatives, m"] == "20.00 ms"
+
+
+@pytest.mark.parametrize("limit", [1e-5, 0.2])
+def test_a_limit_with_steps_on_one_side_alone_confirms_nothing(limit):
+    found = coupling_of({"a": errors(1, limit)}, {("a", "jacobi", 0): limit}, large=1.0, small=2e-3).findings()[-1]
+    assert "which examines nothing" in found and "of 1 couplings" not in found
+
+
+def layered(bands, alone=0.01, limit=5e-3, width=0.05):
+    runs = [
+        CouplingError("jacobi", 0, h, h, band, alone) for h, band in zip((1e-3, 4e-3, 6e-3, 9e-3), bands, strict=True)
+    ]
+    layers = {"a": Layer(width, {("jacobi", 0): limit})}
+    return coupling_of({"a": runs}, {("a", "jacobi", 0): 8e-3}, layers, large=1.0, small=5e-3)
+
+
+def test_a_run_beyond_the_limit_within_the_layer_chatters_without_leaving_the_path():
+    found = layered((0.01, 0.02, 0.3, 0.4))
+    cells = {row["step"]: row["all at once, 0 derivatives, m"] for row in found.summary_rows()}
+    assert "|S| > φ" in cells["6 ms"] and cells["4 ms"] == 4e-3
+    assert cells["predicted limit within the layer"] == "5.00 ms"
+    assert "In 1 of 1 couplings with steps tried on both sides |S| exceeds φ = 0.05" in found.findings()[-1]
+    early = layered((0.01, 0.2, 0.3, 0.4)).findings()[-1]
+    assert "In 0 of 1 couplings" in early and "all at once with inputs held, from 4 ms on" in early
+
+
+def test_a_layer_that_is_not_reached_is_not_examined():
+    found = layered((3.0, 3.0, 3.0, 3.0), alone=2.0)
+    assert found.findings()[-1].endswith("this limit is not examined.")
+    assert all("|S|" not in str(row["all at once, 0 derivatives, m"]) for row in found.summary_rows())
+
+
+def test_each_law_has_the_limits_of_its_own_loops(monkeypatch):
+    """Without the switching term, and with Q + P/phi in place of Q: values of an independent eigenvalue computation."""
+    study = Study.model_validate(
+        {
+            "name": "c",
+            "title": "c",
+            "parameters": {"C_1_per_s2": 500.0, "C_2_per_s": 10.0, "C_3": 1.0, "Q_per_s": 5.0},
+            "laws": [{"name": "s", "kind": "saturation", "parameters": {"P_m_per_s3": 2.5, "phi_m_per_s2": 0.05}}],
+            "scenarios": [
+                {
+                    "name": "o",
+                    "title": "o",
+                    "duration_s": 0.02,
+                    "parameters": {"x_start_m": 2.5, "eta_start_1_m_per_s": 0.5},
+                }
+            ],
+            "protocols": [{"kind": "coupling", "scenario": "o", "communication_steps_s": [5e-3, 1e-2]}],
+        },
+        context={"kinds": ["saturation"]},
+    )
+    watched = []
+
+    def stand_in(_diagram, _duration, steps, **options):
+        watched.append(options["watched"])
+        pairs = [(scheme, order) for scheme in options["schemes"] for order in options["orders"]]
+        return tuple(CouplingError(*pair, h, h, 0.01, 0.01) for pair in pairs for h in steps)
+
+    monkeypatch.setattr("brunovsky.comparison.coupling_runs.coupling_errors", stand_in)
+    found = run_coupling(study, study.protocols[0], lambda _: None)
+    layer = {key[1:]: 1e3 * found.layer_limit(key) for key in found.keys}
+    assert layer["jacobi", 0] == pytest.approx(13.96, abs=0.01) and layer["jacobi", 1] == pytest.approx(6.20, abs=0.01)
+    assert layer["gauss_seidel", 0] == pytest.approx(31.9, abs=0.1)
+    assert layer["gauss_seidel", 1] == pytest.approx(11.4, abs=0.1)
+    assert 1e3 * found.limits["s", "jacobi", 0] == pytest.approx(12.41, abs=0.01)
+    assert watched == [("S[1]", "S[2]")]
+    coupling_figure(found)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from brunovsky.analysis.coupling.simulated import coupled_simulation
 from brunovsky.blocks import Diagram
 from brunovsky.errors import ParameterError, SimulationError
 from brunovsky.native import simulate
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 REFERENCE_TOLERANCE = 1e-11
 TITLES = {"jacobi": "all at once (Jacobi)", "gauss_seidel": "in sequence (Gauss-Seidel)"}
@@ -35,12 +38,17 @@ class CouplingError:
     error : float
         Largest distance from the monolithic run over all communication points, in the unit of the outputs; infinite
         where the run failed.
+    band, monolithic_band : float, optional
+        Largest absolute value of what was watched over the last quarter of the run, and the same of the monolithic run;
+        None where nothing was, infinite where the run failed.
     """
 
     scheme: Scheme
     order: int
     communication_step: float
     error: float
+    band: float | None = None
+    monolithic_band: float | None = None
 
 
 def coupling_errors(
@@ -51,6 +59,7 @@ def coupling_errors(
     schemes: Sequence[Scheme] = SCHEMES,
     orders: Sequence[int] = (0, 1),
     outputs: Sequence[str] = ("x", "y"),
+    watched: Sequence[str] = (),
     step_size: float = 1e-3,
     parameters: Mapping[str, float] | None = None,
 ) -> tuple[CouplingError, ...]:
@@ -68,6 +77,8 @@ def coupling_errors(
         Every scheme is run with every order and step.
     outputs : sequence of str
         Outputs of the diagram of one unit; the error is the Euclidean norm of their differences.
+    watched : sequence of str
+        Outputs of one unit, such as sliding variables, whose largest absolute value over the last quarter is told.
     step_size, parameters
         As those of :func:`coupled_simulation`.
 
@@ -86,15 +97,16 @@ def coupling_errors(
         If the monolithic run fails.
     """
     known = {one.name for one in diagram.outputs}
-    if not outputs or set(outputs) - known:
-        raise ParameterError(f"coupling_errors: outputs {list(outputs)} are not all outputs of {diagram.name}")
+    if not outputs or {*outputs, *watched} - known:
+        named = [*outputs, *watched]
+        raise ParameterError(f"coupling_errors: outputs {named} are not all outputs of {diagram.name}")
     references = {
         step: simulate(
             diagram,
             t_end,
             step_size=step,
             parameters=parameters,
-            record=outputs,
+            record=list(dict.fromkeys([*outputs, *watched])),
             solver="dormand_prince",
             tolerance=REFERENCE_TOLERANCE,
         )
@@ -109,11 +121,19 @@ def coupling_errors(
                         diagram, t_end, step, scheme=scheme, order=order, step_size=step_size, parameters=parameters
                     )
                     apart = np.array([(run[name] - reference[name]).values for name in outputs])
-                    error = float(np.max(np.linalg.norm(apart, axis=0)))
+                    error, band = float(np.max(np.linalg.norm(apart, axis=0))), _band(run, watched)
                 except SimulationError:
-                    error = math.inf
-                found.append(CouplingError(scheme, order, float(step), error))
+                    error, band = math.inf, math.inf if watched else None
+                found.append(CouplingError(scheme, order, float(step), error, band, _band(reference, watched)))
     return tuple(found)
+
+
+def _band(run: xr.Dataset, watched: Sequence[str]) -> float | None:
+    """Largest absolute value over the last quarter of a run; None for nothing."""
+    if not watched:
+        return None
+    late = run["time"].values >= (0.75 - 1e-9) * float(run["time"][-1])
+    return max(float(np.max(np.abs(run[name].values[late]))) for name in watched)
 
 
 def measured_order(errors: Sequence[CouplingError], below: float) -> float:

@@ -13,7 +13,10 @@ from brunovsky.comparison.protocols.figures import MARKERS, Titles
 
 
 def coupling_figure(result: Coupling, titles: Titles | None = None) -> Figure:
-    """Largest distance over the step, a line for each coupling; a tick at the bottom is its predicted limit."""
+    """Largest distance over the step, a line for each coupling.
+
+    A tick at the bottom is its predicted limit, a dashed one at the top that within the layer.
+    """
     figure = drawing.new_figure(9.4, 4.4)
     panels = np.atleast_1d(figure.subplots(1, len(result.laws), sharey=True))
     for axes, law in zip(panels, result.laws, strict=True):
@@ -25,6 +28,9 @@ def coupling_figure(result: Coupling, titles: Titles | None = None) -> Figure:
             limit = result.limits.get(key, math.inf)
             if math.isfinite(limit):
                 axes.axvline(1e3 * limit, ymax=0.08, color=style["color"], linewidth=2.0)
+            within = result.layer_limit(key)
+            if within is not None:
+                axes.axvline(1e3 * within, ymin=0.92, color=style["color"], linewidth=2.0, linestyle=(0, (1.5, 1)))
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.set_title((titles or {}).get(law) or law, loc="left")

@@ -117,10 +117,12 @@ COUPLING = Explanation(
     "The same scenario with reference, law and robot as FMUs of their own, which exchange values at communication "
     "points alone, all at once or in sequence, held or continued by derivatives; against the same loop as one system, "
     "solved by Dormand-Prince with a tolerance of 1e-11. The error is the largest distance of the positions over all "
-    "communication points. The limit is the step at which the coupled linear part, one chain and its outer loop, loses "
-    "stability.",
+    "communication points. The limits are the steps at which one chain and its linear outer loop, coupled so, lose "
+    "stability: without the switching term (P = 0), which is also the loop far outside a boundary layer, and with "
+    "Q + P/φ in place of Q, the loop within it. In the figure a tick at the bottom is the former, a dashed one at the "
+    "top the latter. “(|S| > φ)” marks a run that ends beyond the layer where the loop as one system is within it.",
     "The error is that of the coupling and of the internal steps of the components together. A limit of stability is "
-    "one of small deviations about the linear part (P = 0); it says nothing about accuracy. Other masters exchange in "
+    "that of a linear loop; it says nothing about accuracy. Other masters exchange in "
     "other orders.",
 )
 

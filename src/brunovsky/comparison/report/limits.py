@@ -7,6 +7,7 @@ from brunovsky.comparison.facts import CONVERGED, given, joined
 from brunovsky.comparison.features import features
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import converged
+from brunovsky.comparison.step_words import working_text
 from brunovsky.comparison.study.loops import AIMS_AT_HEADING
 
 _LACKING = {
@@ -81,9 +82,8 @@ def _lacking(comparison: Comparison) -> str:
     has = features(comparison.study)
     lacking = [text for name, text in _LACKING.items() if name not in has]
     text = "The state is known exactly" if "noise" not in has else "Apart from noise, the state is known"
-    step = given(comparison.study.step_size_s * 1e3)
     if "sampling" not in has:
-        text += f", and the law works at each internal step of {step} ms"
+        text += f", and the law {working_text(comparison)}"
     return f"{text}. No run has {' or '.join(filter(None, [', '.join(lacking), 'wheel slip']))}."
 
 

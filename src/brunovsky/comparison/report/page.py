@@ -28,6 +28,7 @@ from brunovsky.comparison.report.scenario import Picture, ScenarioSection, scena
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import step_note
+from brunovsky.comparison.step_words import instants_text, step_text
 from brunovsky.comparison.study import Scenario
 
 Medium = Literal["screen", "paper"]
@@ -133,6 +134,8 @@ def render(content: Content, medium: Medium) -> str:
         provenance=provenance,
         resolved=study.resolved(),
         step_note=step_note(comparison.engine),
+        step_text=step_text(comparison),
+        instants_text=instants_text(comparison),
     )  # fmt: skip
 
 

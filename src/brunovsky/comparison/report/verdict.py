@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
+from brunovsky.comparison.agreement import coupling_headline
 from brunovsky.comparison.claim import Claim, Verdict, is_nominal
 from brunovsky.comparison.claim_performance import FAST, VIOLENT
 from brunovsky.comparison.facts import given, joined
@@ -20,7 +21,7 @@ MANY = 3  # laws of other kinds, beyond which they share their sentences
 
 
 def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[ProtocolSection] = ()) -> list[str]:
-    """Sentences of the verdict, the weightiest first.
+    """Sentences of the verdict, the weightiest first: of a study of coupling its error, else the ranking of laws.
 
     A difference between two runs is told if both numbers and the difference itself are converged with the step; the
     others are counted and rank no law. Runs that failed come first, and are in no comparison.
@@ -37,10 +38,18 @@ def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[
             "No scenario has a run under pole placement and one under another law that both reached their end: nothing "
             "is compared."
         )
-    sentences += [one.headline for one in sections if one.headline]
+    sentences += [one.headline for one in sections if one.headline and not one.leads]
+    sentences = [*_on_coupling(comparison), *(one.headline for one in sections if one.leads), *sentences]
     ended, complete = _ended(comparison), all(run.ok for run in comparison.runs)
     around = [*_strain(comparison), *_on_claims(claims)]
     return [*sentences, *around, ended] if complete else [ended, *sentences, *around]
+
+
+def _on_coupling(comparison: Comparison) -> list[str]:
+    """What running through a package, or a file of the study's own, makes of the numbers."""
+    found = [run.agreement for run in comparison.runs if run.agreement is not None]
+    text = coupling_headline(found, comparison.provenance)
+    return [text] if text else []
 
 
 def _ended(comparison: Comparison) -> str:
