@@ -39,9 +39,9 @@ def summary_markdown(comparison: Comparison) -> str:
         "",
         f"{study.description}",
         "",
-        f"Written from the runs of `{study.name}.toml` (engine {comparison.engine}, {step_text(comparison)}). The report "
-        "of a run has the figures, what each protocol does and cannot say, the poles, all metrics, the tables that are "
-        "not here and the limits of the study.",
+        f"Written from the runs of `{study.name}.toml` (engine {comparison.engine}, {step_text(comparison)}). The "
+        "report of a run has the figures, what each protocol does and cannot say, the poles, all metrics, the tables "
+        "that are not here and the limits of the study.",
         "",
         f"All numbers are those of this step. {step_note(comparison.engine)}",
     ]
