@@ -259,3 +259,34 @@ def test_unusable_requests_are_refused(wrong):
 def test_a_knob_without_a_logarithmic_range_is_refused(ends):
     with pytest.raises(ParameterError, match="range of P"):
         Knob("P", *ends)
+
+
+def test_the_figure_has_a_row_for_each_law_and_the_markers_of_the_legend():
+    laws = {f"law{k}": {} for k in range(8)}  # more than there are styles
+    result = equal_effort(
+        toy(dict.fromkeys(laws, 1.0), iae=lambda law, _: 1.0),
+        laws,
+        {law: Knob("P", 0.01, 100.0) for law in laws},
+        "rms_u2",
+        6.0,
+        metrics=["iae", "settling_time"],
+    )
+    figure = equal_effort_figure(result)
+    curve, iae, undefined = figure.axes
+    assert [one.get_text() for one in iae.get_yticklabels()] == list(laws) and not undefined.get_lines()
+    assert [float(one.get_ydata()[0]) for one in iae.get_lines()] == list(range(8))
+
+    def looks(lines):
+        return [(one.get_marker(), one.get_markerfacecolor(), one.get_markersize()) for one in lines]
+
+    legend = looks(figure.legends[0].get_lines())
+    tuned = [one for one in curve.get_lines() if one.get_linestyle() == "None"]
+    assert looks(iae.get_lines()) == looks(tuned) == legend
+    assert len(set(legend)) == 8
+
+
+def test_all_panels_of_a_sweep_have_numbers():
+    result = swept(toy(SLOPES), LAWS, "P", [0.0, 1.0, 2.0], metrics=["iae", "rms_u2", "settling_time"])
+    figure = swept_figure(result)
+    figure.canvas.draw()
+    assert all(any(one.get_visible() for one in axes.get_xticklabels()) for axes in figure.axes[:3])

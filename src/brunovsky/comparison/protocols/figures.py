@@ -15,17 +15,20 @@ from matplotlib.ticker import MaxNLocator
 from brunovsky.comparison import drawing
 from brunovsky.comparison.facts import power_of_ten
 from brunovsky.comparison.protocols.equal_effort import EqualEffort
-from brunovsky.comparison.protocols.evaluation import Trial, phrase, with_unit
+from brunovsky.comparison.protocols.evaluation import Trial, phrase, unit, with_unit
 from brunovsky.comparison.protocols.monte_carlo import MonteCarlo
 from brunovsky.comparison.protocols.paired import Difference
 from brunovsky.comparison.protocols.pareto import Pareto
 from brunovsky.comparison.protocols.swept import Swept
+from brunovsky.comparison.protocols.tuning import Tuning
 from brunovsky.comparison.statistics import Estimate
 from brunovsky.comparison.symbols import with_key_unit
 
 MARKERS = ("o", "s", "D", "^", "v", "P")
 _WIDTH = 9.4
 _DRAWN = 1e-9  # share of the largest value, below which a distribution is not told apart
+_PANELS = 4  # metrics in a row
+_CURVE = 2.9  # inches, of the panel of the tuning
 _DECADES = 30.0  # ratio of the ends from which an axis is logarithmic
 
 Titles = Mapping[str, str]
@@ -48,6 +51,7 @@ def swept_figure(result: Swept, titles: Titles | None = None) -> Figure:
         _scale_knob(axes, result.values)
         axes.set_title(_marked(metric, result.step_sensitive), loc="left")
         axes.set_xlabel(with_key_unit(result.knob))
+        axes.tick_params(labelbottom=True)  # of the upper panels too, though the axes are shared
     for axes in grid[len(result.metrics) :]:
         axes.set_visible(False)
     _legend(figure, result.laws, titles)
@@ -55,37 +59,58 @@ def swept_figure(result: Swept, titles: Titles | None = None) -> Figure:
 
 
 def equal_effort_figure(result: EqualEffort, titles: Titles | None = None) -> Figure:
-    """Effort of each law over its knob with the target; and the metrics there, relative to the largest of each."""
-    figure = drawing.new_figure(_WIDTH, 3.9)
-    curve, bars = figure.subplots(1, 2, width_ratios=(1.0, 1.0))
+    """Effort of each law over its knob with the target; below, each metric there, with a row for each law."""
+    metrics = [metric for metric in result.metrics if metric != result.effort]
+    columns = min(len(metrics), _PANELS)
+    rows = -(-len(metrics) // _PANELS)
+    row = 0.75 + 0.19 * len(result.tunings)
+    figure = drawing.new_figure(_WIDTH, 0.6 + _CURVE + rows * row)
+    grid = figure.add_gridspec(1 + rows, max(columns, 1), height_ratios=[_CURVE, *[row] * rows])
+    _draw_tuning(figure.add_subplot(grid[0, :]), result)
+    for index, metric in enumerate(metrics):
+        axes = figure.add_subplot(grid[1 + index // _PANELS, index % _PANELS])
+        _draw_at_equal_effort(axes, result, metric, named=index % _PANELS == 0)
+    drawing.plain_decades(figure)
+    _legend(figure, result.laws, titles)
+    return figure
+
+
+def _draw_tuning(curve: Axes, result: EqualEffort) -> None:
+    """Effort over the knob: the runs of the search, and the tuned ones as the legend has them."""
     for index, one in enumerate(result.tunings):
-        known = sorted((_knob(trial, one.knob.parameter), trial.value(result.effort)) for trial in _with(one, result))
-        curve.plot([x for x, _ in known], [y for _, y in known], **_line(index))
-        if one.trial is not None:
-            point: dict[str, Any] = {"marker": MARKERS[index % len(MARKERS)], "color": "#000000", "zorder": 9.0}
-            curve.plot([one.value], [one.trial.value(result.effort)], linestyle="none", markersize=8.0, **point)
+        known = sorted((trial.parameters[one.knob.parameter], effort) for trial, effort in _with(one, result))
+        small = _line(index) | {"markersize": 2.5, "markeredgewidth": 0.4}
+        curve.plot([x for x, _ in known], [y for _, y in known], **small)
+        effort = one.trial.value(result.effort) if one.trial is not None else None
+        if one.value is not None and effort is not None:
+            curve.plot([one.value], [effort], linestyle="none", **_marker(index))
     curve.axhline(result.target, **drawing.REFERENCE)
     if any(_with(one, result) for one in result.tunings):
         curve.set_xscale("log")
         curve.set_yscale("log")
     curve.set_title(f"{_marked(result.effort, result.step_sensitive)};  dotted: target", loc="left")
     curve.set_xlabel(", ".join(dict.fromkeys(with_key_unit(one.knob.parameter) for one in result.tunings)))
-    metrics = [metric for metric in result.metrics if metric != result.effort]
+
+
+def _draw_at_equal_effort(axes: Axes, result: EqualEffort, metric: str, *, named: bool) -> None:
+    """One metric of the tuned runs, a row for each law, so that those that coincide are told apart."""
+    shown = []
     for index, one in enumerate(result.tunings):
-        for row, metric in enumerate(metrics):
-            values = [trial.value(metric) or 0.0 for trial in result.tuned.values()]
-            value = one.trial.value(metric) if one.trial is not None else None
-            if value is not None and max(map(abs, values)) > 0.0:
-                place = row + min(0.12, 0.7 / len(result.tunings)) * (index - 0.5 * (len(result.tunings) - 1))
-                bars.plot([value / max(map(abs, values))], [place], linestyle="none", **_marker(index))
-    names = [_marked(one, result.step_sensitive, units=False).replace(" (", "\n(") for one in metrics]
-    bars.set_yticks(range(len(metrics)), names)
-    bars.set_ylim(len(metrics) - 0.5, -0.5)
-    bars.set_xlim(left=min(0.0, bars.get_xlim()[0]))
-    bars.set_title("metrics at equal effort, over the largest", loc="left")
-    drawing.plain_decades(figure)
-    _legend(figure, result.laws, titles)
-    return figure
+        value = one.trial.value(metric) if one.trial is not None else None
+        if value is None:
+            continue
+        shown.append(value)
+        axes.plot([value], [index], linestyle="none", **_marker(index))
+        if metric in result.unsure.get(one.law, frozenset()):
+            axes.annotate("≈", (value, index), (7, 0), textcoords="offset points", va="center")
+    axes.set_yticks(range(len(result.laws)), result.laws if named else [""] * len(result.laws))
+    axes.set_ylim(len(result.laws) - 0.5, -0.5)
+    _scale(axes, shown, "x")
+    if axes.get_xscale() == "linear":
+        axes.set_xlim(min(0.0, 1.1 * min(shown, default=0.0)), 1.1 * max([*shown, 0.0]) or 1.0)
+        axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.set_title(_marked(metric, result.step_sensitive, units=False).replace(" (", "\n("), loc="left", fontsize=8.5)
+    axes.set_xlabel(unit(metric) or "1")
 
 
 def pareto_figure(result: Pareto, titles: Titles | None = None) -> Figure:
@@ -189,17 +214,15 @@ def _draw_interval(axes: Axes, height: float, one: Estimate, index: int) -> None
         axes.plot([one.low, one.high], [height, height], color=color, linewidth=2.0, solid_capstyle="butt", zorder=2.0)
 
 
-def _with(tuning: Any, result: EqualEffort) -> list[Trial]:
-    return [one for one in tuning.trials if one.value(result.effort) is not None]
-
-
-def _knob(trial: Trial, name: str) -> float:
-    return trial.parameters[name]
+def _with(tuning: Tuning, result: EqualEffort) -> list[tuple[Trial, float]]:
+    """Runs of a tuning that have the effort, with it."""
+    known = [(one, one.value(result.effort)) for one in tuning.trials]
+    return [(one, effort) for one, effort in known if effort is not None]
 
 
 def _line(index: int) -> dict[str, Any]:
-    size = _size(index)
-    return drawing.style(index) | {"marker": MARKERS[index % len(MARKERS)], "markersize": size} | _hollow(index)
+    """Line and markers of a law, in the panels and in the legend."""
+    return _marker(index) | drawing.style(index)
 
 
 def _hollow(index: int) -> dict[str, Any]:
@@ -210,7 +233,7 @@ def _hollow(index: int) -> dict[str, Any]:
 
 def _size(index: int) -> float:
     """Size of a law's marker: what lies further back is larger, so that coinciding points all show."""
-    return max(3.0, 11.0 - 1.5 * drawing.STYLES[index % len(drawing.STYLES)].order)
+    return max(4.0, 11.0 - 1.5 * drawing.STYLES[index % len(drawing.STYLES)].order)
 
 
 def _marker(index: int) -> dict[str, Any]:
@@ -219,7 +242,7 @@ def _marker(index: int) -> dict[str, Any]:
         "marker": MARKERS[index % len(MARKERS)],
         "color": drawing.style(index)["color"],
         "markeredgecolor": "#000000",
-        "markeredgewidth": 0.5,
+        "markeredgewidth": 1.0 if index >= len(drawing.STYLES) else 0.5,
         "markersize": _size(index) + 1.0,
         "zorder": one.order,
     } | _hollow(index)

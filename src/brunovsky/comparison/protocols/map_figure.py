@@ -140,22 +140,24 @@ def _levels(values: Values, norm: Normalize | None) -> list[float]:
 
 def _label(level: float, levels: Sequence[float]) -> str:
     """A level to the precision of the spacing of all, so that no two read alike."""
-    for digits in range(1, 7):
-        found = number(level, digits)
-        if len({number(one, digits) for one in levels}) == len(levels) and _exact(level, digits):
-            break
-    return found
-
-
-def _exact(level: float, digits: int) -> bool:
-    return abs(float(f"{level:.{digits - 1}e}") - level) <= 1e-9 * abs(level)
+    for decimals in range(5):
+        if max(map(abs, levels)) < 1e4 and all(abs(round(one, decimals) - one) <= 1e-9 for one in levels):
+            return f"{level:.{decimals}f}".replace("-", "−")
+    return next(
+        (
+            number(level, digits)
+            for digits in range(1, 6)
+            if len({number(one, digits) for one in levels}) == len(levels)
+        ),
+        number(level),
+    )
 
 
 def _contours(axes: Axes, across: Axis, up: Axis, values: Values, levels: Sequence[float]) -> None:
     """Lines of equal value, those of the scale; a number on each that has the room, dark on light."""
     if min(values.shape) < 2 or np.isfinite(values).sum() < 4:
         return
-    levels = [one for one in levels if np.nanmin(values) < one < np.nanmax(values)]
+    every, levels = levels, [one for one in levels if np.nanmin(values) < one < np.nanmax(values)]
     if not levels:
         return
     masked = np.ma.masked_invalid(values)
@@ -166,7 +168,7 @@ def _contours(axes: Axes, across: Axis, up: Axis, values: Values, levels: Sequen
             axes.text(
                 place[0],
                 place[1],
-                _label(level, levels),
+                _label(level, every),
                 fontsize=7.0,
                 ha="center",
                 va="center",
