@@ -33,6 +33,7 @@ from brunovsky.analysis.linear.design import (
     sliding_gain,
     surface_from_poles,
     surface_poles,
+    switching_gain_margin,
 )
 from brunovsky.analysis.linear.disk_margin import DiskMargin, disk_margin
 from brunovsky.analysis.linear.integrator_chains import chain, chains, error_dynamics
@@ -185,6 +186,7 @@ __all__ = [
     "surface_motion",
     "surface_phase_plane",
     "surface_poles",
+    "switching_gain_margin",
     "to_control",
     "unmatched_residual",
     "yaw_disturbance_bound",

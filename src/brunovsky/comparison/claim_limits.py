@@ -1,54 +1,16 @@
-"""Claims of the paper about orientation and the reach of the method."""
+"""Claims of the paper about the heading at the end, and the reach of the method."""
 
 from __future__ import annotations
 
 import math
 
 from brunovsky.comparison.claim import Case, Finding, is_regulation
-from brunovsky.comparison.facts import given, joined, number, percent, spread, wrapped
+from brunovsky.comparison.facts import given, joined, spread, wrapped
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import MARK, both, facts_of, settled, sure_change, told
+from brunovsky.comparison.sensitivity import MARK, both, facts_of, settled
 
 AIMED = 0.1  # rad; a heading that ends this near to a wanted one counts as stabilised, and one that moves by more at
 # half the step as not converged
-
-
-def orientation(comparison: Comparison, cases: list[Case]) -> Finding | None:
-    """What another initial heading changes, where two scenarios differ in nothing else."""
-    for index, (scenario, runs) in enumerate(cases):
-        for other, others in cases[index + 1 :]:
-            for name, run in runs.items():
-                twin = others.get(name)
-                if twin is not None and _differ_in_heading(run, twin) and scenario.parameters != other.parameters:
-                    return _turned(run, twin, name)
-    return None
-
-
-def _differ_in_heading(run: Run, twin: Run) -> bool:
-    a, b = (
-        {name: value for name, value in one.planned.parameters.items() if name != "theta_start"} for one in (run, twin)
-    )
-    return a == b and run.planned.duration == twin.planned.duration and _same_disturbances(run, twin)
-
-
-def _same_disturbances(run: Run, twin: Run) -> bool:
-    a, b = run.planned, twin.planned
-    return (a.inputs, a.signals, a.noise, a.loop) == (b.inputs, b.signals, b.noise, b.loop)
-
-
-def _turned(run: Run, twin: Run, law: str) -> Finding:
-    name = "peak_yaw_acceleration"
-    ratios = [
-        max(a, b) / max(min(a, b), 1e-12) for a, b in zip(both(run, name), both(twin, name), strict=True) if a and b
-    ]
-    apart = sure_change(twin, run, "settling_time")
-    starts = [number(one.planned.parameters["theta_start"]) for one in (twin, run)]
-    text = (
-        f"From {starts[0]} rad instead of {starts[1]} rad (law “{law}”) the peak of |u₂| is {told(twin, name)} instead "
-        f"of {told(run, name)} rad/s², as the speed falls to {told(twin, 'min_speed')} m/s"
-    )
-    text += f"; the settling time changes by {percent(apart)}." if apart is not None else "."
-    return Finding("confirmed" if min(ratios, default=0.0) > 2.0 else "contradicted", text)
 
 
 def heading(comparison: Comparison, cases: list[Case]) -> Finding | None:

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from brunovsky.comparison import claim_limits, claim_noise, claim_performance, claim_robustness, claim_starts
+from brunovsky.comparison import (
+    claim_limits,
+    claim_noise,
+    claim_orientation,
+    claim_performance,
+    claim_robustness,
+    claim_starts,
+)
 from brunovsky.comparison.claim import Case, Claim, Finding
 from brunovsky.comparison.facts import joined
 from brunovsky.comparison.run import Comparison, Run
@@ -59,8 +66,8 @@ _TESTS: tuple[tuple[str, str, Test], ...] = (
     (
         "“the impact of the initial orientation on trajectory tracking, which greatly influences the subsequent robot "
         "behavior”",
-        "two scenarios that differ in the initial heading alone",
-        claim_limits.orientation,
+        "two scenarios that differ in the initial heading alone, or a map over it",
+        claim_orientation.orientation,
     ),
     (
         "“only position is stabilized to the desired values and not the orientation”",

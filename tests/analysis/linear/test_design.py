@@ -116,3 +116,26 @@ def test_surface_from_poles_vanishes_at_its_poles(poles, leading):
 def test_bad_input_is_refused_with_a_remedy(call, message):
     with pytest.raises(ParameterError, match=message):
         call()
+
+
+def test_the_switching_bound_of_the_paper_is_that_of_its_closed_form():
+    assert analysis.switching_gain_margin(C, Q) == pytest.approx(50 * 500**0.5 / ((500**0.5 + 10) * (500**0.5 + 50)))
+    assert analysis.switching_gain_margin(C, 100.0) == pytest.approx(50 * 100 / (110 * 150))
+    assert analysis.switching_gain_margin(C, Q) == pytest.approx(0.4775, abs=1e-4)
+
+
+@given(coefficient, coefficient, coefficient, coefficient)
+def test_no_effective_rate_has_a_larger_lower_gain_margin_than_the_bound(c1, c2, c3, rate):
+    bound = analysis.switching_gain_margin([c1, c2, c3], rate)
+    rates = np.append(rate * np.geomspace(1.0, 1e4, 60), max(rate, (c1 / c3) ** 0.5))
+    limits = []
+    for one in rates:  # k with a pair of roots on the imaginary axis: k k3 k2 = k1
+        k1, k2, k3 = analysis.sliding_gain([c1, c2, c3], one)
+        limits.append(k1 / (k2 * k3))
+    assert max(limits) == pytest.approx(bound, rel=1e-9) and bound < 1.0
+
+
+@pytest.mark.parametrize(("surface", "rate"), [([500.0, -10.0, 1.0], 5.0), ([10.0, 1.0], 5.0), (C, 0.0)])
+def test_the_switching_bound_is_refused_where_there_is_none(surface, rate):
+    with pytest.raises(ParameterError, match="switching_gain_margin"):
+        analysis.switching_gain_margin(surface, rate)

@@ -9,6 +9,7 @@ from brunovsky.comparison import load_study
 from brunovsky.comparison.chain_hardware import uncovered
 from brunovsky.comparison.figures import bode_figures, describing_function_figure, describing_functions
 from brunovsky.comparison.loop_curves import LoopCurve, loop_curves
+from brunovsky.comparison.report.linear import linear_section
 
 C, Q, P = (500.0, 10.0, 1.0), 5.0, 2.5
 SCENARIO = """
@@ -94,3 +95,9 @@ def test_where_the_heading_turns_it_is_told(small):
     small.write_text(small.read_text() + "[scenarios.hardware]\nlag_s = 0.007\n")
     (text,) = uncovered(load_study(small))
     assert "where the heading turns (circle) the two mix" in text
+
+
+def test_the_sign_function_has_a_bound_for_its_lower_gain_margin(paper):
+    found = linear_section(paper).margins
+    assert found.columns[-1] == "“sign”, at any amplitude"
+    assert [row[-1] for row in found.rows] == ["≤ 0.4775", *["–"] * (len(found.rows) - 1)]

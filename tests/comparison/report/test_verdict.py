@@ -15,9 +15,10 @@ from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.measured_margins import MeasuredMargin
 from brunovsky.comparison.metrics import Metrics
 from brunovsky.comparison.protocol_sections import protocol_sections
-from brunovsky.comparison.protocols import MeasuredLoopMargins, monte_carlo, swept
+from brunovsky.comparison.protocols import Axis, MeasuredLoopMargins, mapped, monte_carlo, swept
 from brunovsky.comparison.protocols.margin_rows import QUANTITIES, MarginRow
 from brunovsky.comparison.report.limits import limits
+from brunovsky.comparison.report.relatives import relatives
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.sensitivity import step_note
 from brunovsky.comparison.study.loops import Hardware, Loop
@@ -105,7 +106,7 @@ def test_what_the_step_decides_examines_nothing(paper_runs):
         ({"settling_time": None}, "to any point", "contradicted"),
         ({"settling_time": None}, "strength of convergence", "contradicted"),
         ({"settling_time": 1.0}, "strength of convergence", "confirmed"),
-        ({"peak_yaw_acceleration": 5.0}, "greatly influences", "contradicted"),
+        ({"peak_yaw_acceleration": 5.0}, "greatly influences", "confirmed under conditions"),
         ({"heading_start": 1.0, "heading_end": 1.0}, "not the orientation", "contradicted"),
         ({"heading_start": 1.0, "heading_end": 2.0}, "not the orientation", "confirmed"),
     ],
@@ -155,6 +156,60 @@ def test_starts_are_not_judged_in_runs_that_are_too_short_to_settle(paper_runs, 
     made = altered(paper_runs, lambda run: {"settling_time": 0.1})
     runs = tuple(replace(run, planned=replace(run.planned, duration=duration)) for run in made.runs)
     assert of(replace(made, runs=runs), "strength of convergence").verdict == expected
+
+
+TURNED = ("peak_yaw_acceleration", "min_speed_moving", "settling_time", "iae")
+
+
+def turned(comparison: Comparison, *factors: float, half: float = 1.0) -> Comparison:
+    """Runs whose metrics with another heading at the start are those of the others times these factors."""
+
+    def change(run):
+        other = run.planned.parameters["theta_start"] != 0.0
+        return {name: one if other else 1.0 for name, one in zip(TURNED, factors, strict=True)}
+
+    return altered(comparison, change, half)
+
+
+@pytest.mark.parametrize(
+    ("factors", "expected", "words"),
+    [
+        ((3.0, 0.3, 2.5, 4.0), "confirmed", "great (a factor of 2.0 or more) on the largest |u₂|, the smallest"),
+        ((3.0, 0.3, 1.1, 1.2), "confirmed under conditions", "moving, not on the settling time to 1 cm and the IAE."),
+        ((1.5, 0.9, 1.1, 1.2), "contradicted", "on nothing"),
+    ],
+)
+def test_the_claim_on_the_initial_heading_names_what_it_changes(paper_runs, factors, expected, words):
+    found = of(turned(paper_runs, *factors), "greatly influences")
+    assert found.verdict == expected and words in found.shown
+
+
+def test_a_number_that_the_step_decides_confirms_no_influence_of_the_heading(paper_runs):
+    found = of(turned(paper_runs, 60.0, 0.1, 3.0, 3.0, half=1.5), "greatly influences")
+    assert found.verdict == "not examined" and "the step decides on it" in found.shown and "≈" in found.shown
+
+
+@pytest.mark.parametrize(
+    ("peak", "settling", "expected"),
+    [(9.0, 1.0, "confirmed under conditions"), (9.0, 3.0, "confirmed"), (1.5, 1.0, "contradicted")],
+)
+def test_maps_over_the_heading_speak_to_its_influence(paper_runs, peak, settling, expected):
+    def evaluate(law, parameters, case):
+        turned = abs(parameters["theta_start_rad"])
+        return {"peak_yaw_acceleration": 1.0 + (peak - 1.0) * turned, "settling_time": 1.0 + (settling - 1.0) * turned}
+
+    result = mapped(
+        evaluate,
+        {"linear": {}},
+        Axis("theta_start_rad", (-1.0, 0.0, 1.0)),
+        Axis("x_start_m", (1.0, 2.0)),
+        metrics=("peak_yaw_acceleration", "settling_time"),
+    )
+    alone = tuple(run for run in paper_runs.runs if run.planned.scenario == "fig6-inside")
+    protocol = SimpleNamespace(table=SimpleNamespace(scenario="fig6-inside"), result=result)
+    found = of(replace(paper_runs, runs=alone, protocols=(protocol,)), "greatly influences")
+    assert found.verdict == expected
+    assert f"the largest |u₂| by a factor of {number(peak, 2)}" in found.shown
 
 
 def test_small_steady_state_errors_are_those_of_the_laws_that_are_named(paper_runs):
@@ -423,6 +478,38 @@ def test_no_share_is_told_of_an_error_below_a_micrometre(paper_runs, base, facto
     text = sentences(altered(paper_runs, scaled("rms_tail_error", factor, base)))
     assert ("at 1.00×10⁻⁴\u00a0m instead of 1.00×10⁻⁷\u00a0m" in text.replace("1.0×", "1.00×")) == (base < 1e-6)
     assert ("raises the RMS error of the last quarter (50\u00a0%" in text) == (base > 1e-6)
+
+
+def test_laws_whose_error_never_settles_are_named(paper_runs):
+    assert "never settles" not in sentences(paper_runs)
+    lost = {"fig6-inside/sign": {"settling_time": None, "rms_tail_error": 0.0103}}
+    made = altered(paper_runs, lambda run: lost.get(run.planned.name, {}))
+    title = paper_runs.study.scenario("fig6-inside").title
+    text = sentences(made)
+    assert (
+        f"In 1 run the error never settles to 1 cm (RMS error of the last quarter in brackets): “{title}” under" in text
+    )
+    assert "under “sign” (0.0103\u00a0m)." in text
+
+    def growing(run):
+        data = run.trajectory.copy()
+        time = data["time"].values
+        return replace(run, trajectory=data.assign({"e1[1]": (data["e1[1]"].dims, 1e-3 * time**2)}))
+
+    grown = tuple(growing(run) if run.planned.name in lost else run for run in made.runs)
+    assert "(0.0103\u00a0m, and grows to the end)." in sentences(replace(made, runs=grown))
+
+
+def test_what_the_step_decides_of_many_relatives_is_said_so(paper_runs):
+    pairs = paper_runs.of(paper_runs.study.scenario("fig6-inside"))
+    base, sign = pairs["linear"], pairs["sign"]
+
+    def told(factor: float) -> str:
+        rough = altered(replace(paper_runs, runs=(sign,)), lambda run: {"total_variation_u2": 1e6}, factor).runs[0]
+        return relatives([("the law “sampled”", [(base, rough)]), ("the law “relay”", [(base, base)])])[-1]
+
+    assert "“sampled”, in 1 of 1 (1 by the step); by the step: the step decides on the number" in told(2.0)
+    assert told(1.0).endswith("“sampled”, in 1 of 1.")
 
 
 def test_one_pair_of_runs_is_told_as_one(paper_runs):

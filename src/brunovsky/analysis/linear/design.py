@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from brunovsky.analysis._checks import conjugate_poles, finite_scalar, finite_vector, surface_coefficients
 from brunovsky.analysis.linear.integrator_chains import chain, error_dynamics
+from brunovsky.errors import ParameterError
 
 
 def place(poles: ArrayLike) -> NDArray[np.float64]:
@@ -145,6 +146,46 @@ def boundary_layer_gain(
     P = finite_scalar(switching_gain, "P", where, minimum=0.0)
     phi = finite_scalar(boundary_layer, "phi", where, minimum=0.0, strict=True)
     return sliding_gain(C, finite_scalar(P / phi + Q, "Q + P/phi", where))
+
+
+def switching_gain_margin(surface: ArrayLike, reaching_rate: float) -> float:
+    """Upper bound of the lower gain margin of a sliding mode, whatever its switching gain is.
+
+    To an oscillation of some amplitude the sign function is a gain, the larger the smaller S: the law is `sliding_gain`
+    with an effective rate q between Q and infinity. With a = c2/c3 and b = c1/c2 that linear loop is stable for factors
+    of its gain above k(q) = b q/((q + b)(q + a)), which is largest at q = sqrt(a b). So no factor above k(max(Q, sqrt(a
+    b))) takes the stability of any of these loops. It rests on the describing function, and is no proof.
+
+    Parameters
+    ----------
+    surface : array_like, shape (3,)
+        C = [c1, c2, c3] (1/s2, 1/s, 1), stable.
+    reaching_rate : float
+        Q > 0 (1/s) of the reaching law S' = -Q S - P sign(S).
+
+    Returns
+    -------
+    float
+        Factor of the loop gain (1), below 1.
+
+    Raises
+    ------
+    ParameterError
+        If there are not three finite coefficients of one sign, or Q is not positive.
+
+    References
+    ----------
+    The Routh-Hurwitz criterion for s^3 + k (k3 s^2 + k2 s + k1), and A. Gelb and W. E. Vander Velde, "Multiple-Input
+    Describing Functions and Nonlinear System Design", McGraw-Hill, 1968, for the gain of a switching element.
+    """
+    where = "switching_gain_margin"
+    C = surface_coefficients(surface, where)
+    Q = finite_scalar(reaching_rate, "Q", where, minimum=0.0, strict=True)
+    if C.size != 3 or not np.all(C / C[-1] > 0.0):
+        raise ParameterError(f"{where}: C = {C.tolist()}; pass three coefficients of one sign")
+    a, b = C[1] / C[2], C[0] / C[1]
+    q = max(Q, float(np.sqrt(a * b)))
+    return float(b * q / ((q + b) * (q + a)))
 
 
 def surface_poles(surface: ArrayLike) -> NDArray[np.complex128]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from brunovsky.analysis import switching_gain_margin
 from brunovsky.comparison import drawing, figures
 from brunovsky.comparison.chain_hardware import ChainHardware, uncovered
 from brunovsky.comparison.facts import joined, number
@@ -14,6 +16,7 @@ from brunovsky.comparison.protocol_section import Table
 from brunovsky.comparison.report.scenario import Picture
 from brunovsky.comparison.study import Study
 from brunovsky.comparison.tables import loop_row, margin_rows, poles_text
+from brunovsky.errors import ParameterError
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,12 @@ def linear_section(study: Study) -> LinearSection:
     loops = list(linear_loops(study))
     surface = motion_on_surface(study)
     rows = tuple((one["title"], one["gain"], one["poles"]) for one in map(loop_row, loops))
-    margins = tuple((label, *cells) for label, cells in margin_rows(loops))
+    bounds = _switching_bounds(study)
+    rest = [f"≤ {number(one, 4)}" for one in bounds.values()]  # of the lower gain margin; there are no others
+    margins = tuple(
+        (label, *cells, *(rest if index == 0 else ["–"] * len(rest)))
+        for index, (label, cells) in enumerate(margin_rows(loops))
+    )
     named = [(one.title, one.poles) for one in loops] + [("motion on S = 0", surface)]
     poles = "Poles of the linear loops of one chain, and of the motion on S = 0."
     pictures = []
@@ -63,10 +71,26 @@ def linear_section(study: Study) -> LinearSection:
         surface_poles=poles_text(surface),
         shared=shares_one_linear_part(study),
         loops=Table("loops", ("loop", "gain K", "poles, 1/s"), rows),
-        margins=Table("margins", ("margin at v", *(one.title for one in loops)), margins, heads=1),
+        margins=Table("margins", ("margin at v", *(one.title for one in loops), *bounds), margins, heads=1),
         figures=tuple(pictures) if "linear" in study.figures else (),
         findings=_predictions(found),
     )
+
+
+def _switching_bounds(study: Study) -> dict[str, float]:
+    """Bound of the lower gain margin of each law with the sign function, by the heading of its column.
+
+    Without one for gains that have none: other than a stable surface of the second order and a positive Q.
+    """
+    found: dict[str, float] = {}
+    for run in study.plan():
+        if study.law(run.law).kind == "sign":
+            p = run.parameters
+            with contextlib.suppress(ParameterError):
+                bound = switching_gain_margin([p[f"C[{k}]"] for k in (1, 2, 3)], p["Q"])
+                heading = f"“{run.law}”, at any amplitude"
+                found[heading] = max(bound, found.get(heading, 0.0))
+    return found
 
 
 def _predictions(found: Sequence[DescribingFunction]) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from brunovsky.comparison.claim import is_nominal
 from brunovsky.comparison.facts import joined, percent
 from brunovsky.comparison.findings_steady import ROUNDING
 from brunovsky.comparison.report.pairs import SHARE, Pair, acting_on, instead, range_of, rough, tiny
-from brunovsky.comparison.sensitivity import largest, sure_change
+from brunovsky.comparison.sensitivity import converged, largest, sure_change
 
 LISTED = 4  # laws, beyond which a sentence tells the best and the worst of them
 Group = tuple[str, list[Pair]]
@@ -80,6 +80,14 @@ def _listed(laws: list[str]) -> str:
 
 def _rougher(laws: list[Group]) -> list[str]:
     """Under which of many laws the yaw acceleration varies more than under pole placement."""
-    counts = [(law, len(rough(pairs)), len(pairs)) for law, pairs in laws]
-    found = [f"{law}, in {count} of {total}" for law, count, total in counts if count]
-    return [f"Of the pairs of runs, u₂ varies more than under pole placement under {_listed(found)}."] if found else []
+    found, decided = [], False
+    for law, pairs in laws:
+        rugged = rough(pairs)
+        grows = sum(not converged(run, "total_variation_u2") for run in rugged)
+        decided = decided or bool(grows)
+        text = f"{law}, in {len(rugged)} of {len(pairs)}" + (f" ({grows} by the step)" if grows else "")
+        found += [text] if rugged else []
+    if not found:
+        return []
+    what = "; by the step: the step decides on the number, not the law alone" if decided else ""
+    return [f"Of the pairs of runs, u₂ varies more than under pole placement under {_listed(found)}{what}."]

@@ -13,6 +13,7 @@ from brunovsky.comparison.findings_steady import HARDLY, ROUNDING
 from brunovsky.comparison.protocol_section import ProtocolSection
 from brunovsky.comparison.report.pairs import SHARE, Pair, acting_on, count_of, instead, range_of, rough, tiny
 from brunovsky.comparison.report.relatives import relatives
+from brunovsky.comparison.report.unsettled import unsettled
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.sensitivity import both, converged, largest, settled, spread_of, sure_change
 
@@ -38,6 +39,7 @@ def verdict(comparison: Comparison, claims: Sequence[Claim], sections: Sequence[
             "No scenario has a run under pole placement and one under another law that both reached their end: nothing "
             "is compared."
         )
+    sentences += unsettled(comparison)
     sentences += [one.headline for one in sections if one.headline and not one.leads]
     sentences = [*_on_coupling(comparison), *(one.headline for one in sections if one.leads), *sentences]
     ended, complete = _ended(comparison), all(run.ok for run in comparison.runs)
