@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import platform
 import tempfile
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -29,6 +30,7 @@ from brunovsky.comparison.facts import Facts, compute_facts
 from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.protocol_runs import ProtocolRun, run_protocol
 from brunovsky.comparison.protocols import step_sensitive_metrics
+from brunovsky.comparison.run_files import UNITS, run_files
 from brunovsky.comparison.ssp_engine import opened_ssps
 from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
 from brunovsky.comparison.study.communication import check_communication
@@ -176,7 +178,13 @@ def run_study(
             runs.append(_run(planned, simulator, native))
         protocols = _protocols(study, runs, simulator, native, report)
         report(len(plan), len(plan), "runs")
-        provenance = study_provenance(study, **simulator.provenance(), step_size=study.step_size_s)
+        provenance = study_provenance(
+            study,
+            **simulator.provenance(),
+            step_size=study.step_size_s,
+            units=UNITS,
+            files=run_files(simulator, plan),
+        )
     return Comparison(study, chosen, tuple(runs), FrozenMapping(provenance), protocols)
 
 
@@ -256,10 +264,11 @@ def _built(loops: Iterable[Loop], folder: Path, suffix: str, building: Callable[
 
     folder.mkdir(parents=True, exist_ok=True)
     paths: dict[Loop, Path] = {}
+    stems = Counter[str]()
     for loop in loops:
         stem = loop.block.name if loop.controller == "sliding_mode" else f"{loop.block.name}_{loop.controller}"
-        same = sum(path.stem.startswith(stem) for path in paths.values())
-        paths[loop] = folder / f"{stem}{f'_{same + 1}' if same else ''}{suffix}"
+        stems[stem] += 1
+        paths[loop] = folder / f"{stem}{f'_{stems[stem]}' if stems[stem] > 1 else ''}{suffix}"
         building(f"building {paths[loop].stem}")
         if suffix == ".ssp":
             export_ssp(loop.block, paths[loop])

@@ -82,7 +82,8 @@ MAP = Explanation(
 MARGINS = Explanation(
     "Measured margins",
     "Each law does the same scenario with another gain, delay, lag or sampling period of its actuators; bisection "
-    "narrows down the first place where it no longer does. A run counts as stable if its position error stays within "
+    "narrows down the first place where it no longer does; all these runs are native, whatever the engine of the "
+    "study. A run counts as stable if its position error stays within "
     "the stated bound over the last quarter, without growing. Beside it stands what the linear part (P = 0), and the "
     "linear loop within the boundary layer, are predicted to stand along the scenario’s motion. Both ends of the last "
     "bracket are run again at half of the step: where stability is lost more than five per cent away from what was "
