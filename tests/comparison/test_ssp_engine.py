@@ -10,7 +10,7 @@ import pytest
 import brunovsky as br
 from brunovsky import analysis, cli
 from brunovsky.comparison import Comparison, load_study, run_study, write_report
-from brunovsky.comparison.agreement import common_instants
+from brunovsky.comparison.agreement import common_instants, differences_table
 from brunovsky.comparison.run import _built
 from brunovsky.comparison.run_files import hardware_text
 from brunovsky.comparison.ssp_engine import opened_ssps
@@ -106,6 +106,11 @@ def test_the_report_speaks_of_the_coupling_error(coupled: Comparison, tmp_path: 
         and "the communication points, 2 ms apart" in text
     )
     assert "internal step of 0.5 ms" not in text
+    assert "says nothing about the model or the integrator" in text
+    differences = differences_table([run.agreement for run in coupled.runs])
+    assert [row[0] for row in differences.rows] == ["position", *(f"{k}[{i}]" for k in ("eta", "u", "v") for i in "12")]
+    assert differences.rows[0][2] == max(run.agreement.position for run in coupled.runs)
+    assert differences.rows[0][4] == pytest.approx(0.5, abs=0.03) and "at half of it" in text
     provenance = json.loads(written.metrics.read_text())["provenance"]
     agreement = provenance["agreement_with_native"]
     assert agreement["position_tolerance"] is None and agreement["all_agree"] and agreement["basis"] == "coupling"

@@ -12,7 +12,7 @@ import jinja2
 from markupsafe import Markup
 
 from brunovsky.comparison import drawing, equations, figures
-from brunovsky.comparison.agreement import engine_text
+from brunovsky.comparison.agreement import differences_table, engine_text
 from brunovsky.comparison.claim import Claim
 from brunovsky.comparison.claims import claims, examined
 from brunovsky.comparison.facts import given, joined, number
@@ -132,6 +132,7 @@ def render(content: Content, medium: Medium) -> str:
         provenance=_told(provenance),
         files=files_table(provenance["files"]) if provenance.get("files") else None,
         coupling_text=coupling_text(provenance.get("files", ()), provenance, own=_own(comparison)),
+        differences=differences_table([one.agreement for one in comparison.runs if one.agreement]),
         aside=aside_text(study, comparison.engine),
         resolved=json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False),
         step_note=step_note(comparison.engine),
