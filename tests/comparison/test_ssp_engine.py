@@ -268,8 +268,10 @@ def test_files_that_cannot_be_run_are_told(
     with pytest.raises(StudyError) as caught:
         run_study(load_study(study))
     assert all(one in str(caught.value) for one in told), caught.value
+    assert str(caught.value).startswith(f"{study}, line 4: {keys[:3]}: "), "file, line and key"
     status, error = command("compare", study, "-o", files / "refused")
-    assert status == 2 and "Traceback" not in error and told[0] in error
+    assert status == 2 and "Traceback" not in error and told[0] in error and "line 4: " in error
+    assert "Figure 6" not in error, "no progress bar"
 
 
 @pytest.mark.parametrize(

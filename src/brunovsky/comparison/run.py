@@ -20,6 +20,7 @@ from brunovsky.comparison.agreement import Agreement
 from brunovsky.comparison.cross_check import agreement_with
 from brunovsky.comparison.engines import (
     Engine,
+    FmuSimulation,
     NativeSimulation,
     Outcome,
     Status,
@@ -31,7 +32,7 @@ from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.protocol_runs import ProtocolRun, run_protocol
 from brunovsky.comparison.protocols import step_sensitive_metrics
 from brunovsky.comparison.run_files import UNITS, run_files
-from brunovsky.comparison.ssp_engine import opened_ssps
+from brunovsky.comparison.ssp_engine import SspSimulation, opened_ssps
 from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
 from brunovsky.comparison.study.communication import check_communication
 from brunovsky.errors import StudyError
@@ -251,11 +252,32 @@ def _engine(
             paths = _built(loops, target / _FOLDERS[name], _SUFFIXES[name], building)
         else:
             paths = dict.fromkeys(loops, Path(given))
+        opened: contextlib.AbstractContextManager[FmuSimulation | SspSimulation]
         if name == "ssp":
-            step, scheme = study.communication_step, study.scheme
-            yield stack.enter_context(opened_ssps(paths, step, scheme, checked_for=checked_for))
+            opened = opened_ssps(paths, study.communication_step, study.scheme, checked_for=checked_for)
         else:
-            yield stack.enter_context(opened_fmus(paths, checked_for=checked_for))
+            opened = opened_fmus(paths, checked_for=checked_for)
+        try:
+            simulator = stack.enter_context(opened)
+        except StudyError as error:
+            if given is not own:
+                raise
+            raise StudyError(f"{study.own_place(name)}: {error}") from None
+        yield simulator
+
+
+def check_own_file(study: Study, engine: EngineName | None = None) -> None:
+    """Open the file of a study's own that an engine would run, if it has one, before anything is run.
+
+    Raises
+    ------
+    StudyError
+        With study file, line and key, if it is missing, cannot be run or lacks a variable.
+    """
+    chosen = engine or study.engine
+    if study.own_file(chosen) is not None:
+        with _engine(chosen, study, NativeSimulation(), study.plan(), None, None, lambda what: None):
+            pass
 
 
 def _built(loops: Iterable[Loop], folder: Path, suffix: str, building: Callable[[str], None]) -> dict[Loop, Path]:
