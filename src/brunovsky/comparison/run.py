@@ -20,7 +20,6 @@ from brunovsky.comparison.agreement import Agreement
 from brunovsky.comparison.cross_check import agreement_with
 from brunovsky.comparison.engines import (
     Engine,
-    FmuSimulation,
     NativeSimulation,
     Outcome,
     Status,
@@ -32,7 +31,7 @@ from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.protocol_runs import ProtocolRun, run_protocol
 from brunovsky.comparison.protocols import step_sensitive_metrics
 from brunovsky.comparison.run_files import UNITS, run_files
-from brunovsky.comparison.ssp_engine import SspSimulation, opened_ssps
+from brunovsky.comparison.ssp_engine import opened_ssps
 from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
 from brunovsky.comparison.study.communication import check_communication
 from brunovsky.errors import StudyError
@@ -252,13 +251,13 @@ def _engine(
             paths = _built(loops, target / _FOLDERS[name], _SUFFIXES[name], building)
         else:
             paths = dict.fromkeys(loops, Path(given))
-        opened: contextlib.AbstractContextManager[FmuSimulation | SspSimulation]
-        if name == "ssp":
-            opened = opened_ssps(paths, study.communication_step, study.scheme, checked_for=checked_for)
-        else:
-            opened = opened_fmus(paths, checked_for=checked_for)
+        simulator: Engine
         try:
-            simulator = stack.enter_context(opened)
+            if name == "ssp":
+                step, scheme = study.communication_step, study.scheme
+                simulator = stack.enter_context(opened_ssps(paths, step, scheme, checked_for=checked_for))
+            else:
+                simulator = stack.enter_context(opened_fmus(paths, checked_for=checked_for))
         except StudyError as error:
             if given is not own:
                 raise
