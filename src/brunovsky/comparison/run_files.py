@@ -68,7 +68,7 @@ def coupling_text(files: Sequence[Mapping[str, Any]], provenance: Mapping[str, A
         return ""
     orders = dict.fromkeys(" → ".join(part["name"] for part in one["components"]) for one in files)
     stepped = f"Components step {ORDERS[provenance['scheme']]}, in the order {joined(list(orders))}"
-    inner = f"RK4 with steps of at most {given(1e3 * provenance['step_size'])} ms"
+    inner = f"with RK4 in steps of at most {given(1e3 * provenance['step_size'])} ms"
     step = given(1e3 * provenance["communication_step"])
     return (
         f"How it was coupled: {stepped}; they exchange values every {step} ms, "
