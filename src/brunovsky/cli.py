@@ -264,10 +264,12 @@ def compare(
 ) -> None:
     """Run a study and write its report, metrics, traces and tables."""
     from brunovsky.comparison import compare_study, load_study  # here, since it takes longer than the other commands
+    from brunovsky.comparison.run import check_own_file
 
     path = study if study.suffix == ".toml" else _shipped_study(str(study))
     folder = output or Path("build") / path.stem
     loaded = load_study(path)
+    check_own_file(loaded, engine.value if engine else None)
     with _progress() as progress:
         task = progress.add_task(loaded.title, total=None)
 

@@ -10,10 +10,13 @@ import pytest
 import brunovsky as br
 from brunovsky import analysis, cli
 from brunovsky.comparison import Comparison, load_study, run_study, write_report
-from brunovsky.comparison.agreement import common_instants
+from brunovsky.comparison.agreement import common_instants, differences_table
+from brunovsky.comparison.run import _built
+from brunovsky.comparison.run_files import hardware_text
 from brunovsky.comparison.sensitivity import sensitivity
 from brunovsky.comparison.ssp_engine import opened_ssps
 from brunovsky.comparison.study import Loop
+from brunovsky.comparison.study.loops import Hardware
 from brunovsky.errors import StudyError
 
 LAWS = """
@@ -104,11 +107,23 @@ def test_the_report_speaks_of_the_coupling_error(coupled: Comparison, tmp_path: 
         and "the communication points, 2 ms apart" in text
     )
     assert "internal step of 0.5 ms" not in text
+    assert "says nothing about the model or the integrator" in text
+    differences = differences_table([run.agreement for run in coupled.runs])
+    assert [row[0] for row in differences.rows] == ["position", *(f"{k}[{i}]" for k in ("eta", "u", "v") for i in "12")]
+    assert differences.rows[0][2] == max(run.agreement.position for run in coupled.runs)
+    assert differences.rows[0][4] == pytest.approx(0.5, abs=0.03) and "at half of it" in text
     provenance = json.loads(written.metrics.read_text())["provenance"]
     agreement = provenance["agreement_with_native"]
     assert agreement["position_tolerance"] is None and agreement["all_agree"] and agreement["basis"] == "coupling"
     assert (provenance["communication_step"], provenance["scheme"]) == (2e-3, coupled.study.scheme)
-    assert len(provenance["ssp_sha256"]) == 64
+    assert len(provenance["ssp_sha256"]) == 64 and provenance["units"]["communication_step"] == "s"
+    (file,) = provenance["files"]
+    assert file["sha256"] == provenance["ssp_sha256"] and file["hardware"] == "ideal"
+    assert file["runs"] == ["outside/linear", "outside/relay"]
+    assert [part["name"] for part in file["components"]] == list(coupled.runs[0].planned.loop.block.components)
+    assert all(len(part["sha256"]) == 64 and part["sha256"] in text for part in file["components"])
+    assert "How it was coupled: Components step " in text and "(no derivatives are exchanged, order 0)" in text
+    assert "0.002 s</dd>" in text
 
 
 def test_runs_that_fail_are_recorded(tmp_path: Path) -> None:
@@ -186,6 +201,29 @@ def test_components_step_in_the_order_of_feedthrough_whatever_the_file_s(tmp_pat
         assert list(engine.packages[Loop()].fmus) == ["circle", "sliding_mode", "linearized_robot"]
 
 
+def test_names_of_files_are_numbered_each_for_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("brunovsky.fmi.export_ssp", lambda _block, path: path)
+    loops = [Loop("disturbance_observer"), Loop(), Loop(hardware=Hardware(lags=(0.01, 0.01)))]
+    paths = _built([*loops, Loop(hardware=Hardware(delays=(0.01, 0.0)))], tmp_path, ".ssp", lambda _: None)
+    assert [paths[one].stem for one in loops[1:]] == ["closed_loop", "closed_loop_2"]
+    assert {path.stem for path in paths.values()} - {"closed_loop", "closed_loop_2"} == {
+        "closed_loop_disturbance_observer",
+        "closed_loop_3",
+    }
+
+
+@pytest.mark.parametrize(
+    ("hardware", "text"),
+    [
+        (Hardware(), "ideal"),
+        (Hardware(lags=(0.01, 0.01), number=2, limits=(1.0, 2.0)), "two lags in series and limits"),
+        (Hardware(period=0.02, noisy=True, delays=(0.1, 0.1)), "delays, sampling every 20 ms and noise"),
+    ],
+)
+def test_hardware_of_a_file_in_words(hardware: Hardware, text: str) -> None:
+    assert hardware_text(hardware) == text
+
+
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("own")
@@ -240,8 +278,10 @@ def test_files_that_cannot_be_run_are_told(
     with pytest.raises(StudyError) as caught:
         run_study(load_study(study))
     assert all(one in str(caught.value) for one in told), caught.value
+    assert str(caught.value).startswith(f"{study}, line 4: {keys[:3]}: "), "file, line and key"
     status, error = command("compare", study, "-o", files / "refused")
-    assert status == 2 and "Traceback" not in error and told[0] in error
+    assert status == 2 and "Traceback" not in error and told[0] in error and "line 4: " in error
+    assert "Figure 6" not in error, "no progress bar"
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from brunovsky.comparison.engines import Outcome
 from brunovsky.comparison.facts import given, number, spread
+from brunovsky.comparison.protocol_section import Cell, Table
 from brunovsky.comparison.study import PlannedRun
 from brunovsky.comparison.study.signals import Array
 
@@ -18,6 +19,11 @@ POSITION_TOLERANCE = 1e-9  # m; below it two engines agree for every purpose of 
 HALVED = 0.6  # what first order leaves of an error at half the step, 1/2, with room for higher orders
 _ON_SURFACE = 1e-9  # m/s2; a start this near S = 0 leaves the branch of a sign function to rounding
 ORDERS = {"jacobi": "all at once", "gauss_seidel": "in sequence"}
+_SHOWN = (
+    "and the native simulation are made from the same generated equations and the same solver: how near they are "
+    "shows whether packaging and driving are right, and says nothing about the model or the integrator."
+)
+_TABLED = {"eta[1]": "m/s", "eta[2]": "rad/s", "u[1]": "m/s²", "u[2]": "rad/s²", "v[1]": "m/s³", "v[2]": "m/s³"}
 Basis = Literal["rounding", "coupling", "models"]
 
 
@@ -44,6 +50,8 @@ class Agreement:
         `position` with half the communication step, m; for coupling alone.
     bound : float or None
         Bound of `position` to first order in the communication step, m; for coupling where it is known.
+    differences_at_half_step : mapping of str to float
+        `differences` with half the communication step; for coupling alone.
     """
 
     run: str
@@ -54,6 +62,7 @@ class Agreement:
     basis: Basis = "rounding"
     position_at_half_step: float | None = None
     bound: float | None = None
+    differences_at_half_step: dict[str, float] = field(default_factory=dict)
 
     @property
     def agrees(self) -> bool:
@@ -91,8 +100,10 @@ def cross_check(
     same = outcome.status.state == native.status.state and (
         basis != "rounding" or abs((outcome.status.time or 0.0) - (native.status.time or 0.0)) < 1e-9
     )
-    half = _differences(finer, native)[1] if finer is not None and finer.status.state == "ok" else None
-    found = Agreement(planned.name, position, differences, same, "", basis, half, bound)
+    finer_differences, half = (
+        _differences(finer, native) if finer is not None and finer.status.state == "ok" else ({}, None)
+    )
+    found = Agreement(planned.name, position, differences, same, "", basis, half, bound, finer_differences)
     apart = position is not None and position > POSITION_TOLERANCE
     return replace(found, explanation=_explanation(planned, native, found)) if apart and same else found
 
@@ -156,7 +167,8 @@ def agreement_text(found: Sequence[Agreement], provenance: Mapping[str, Any]) ->
             f"{largest} m at {given(step)} ms"
             + (f", and {number(max(halves))} m at half of it" if halves else "")
             + f"; {every} "
-            f"half the step leaves at most {HALVED:g} of it, as an error of first order does.{_bounds_text(found)}"
+            f"half the step leaves at most {HALVED:g} of it, as an error of first order does.{_bounds_text(found)} "
+            f"The FMUs of the package {_SHOWN}"
         )
     if found[0].basis == "models":
         return (
@@ -168,8 +180,33 @@ def agreement_text(found: Sequence[Agreement], provenance: Mapping[str, Any]) ->
     agrees = all(one.agrees for one in found)
     return (
         "Each run was repeated by the native simulation. The largest distance between the two positions is "
-        f"{largest} m{below if agrees else ''}."
+        f"{largest} m{below if agrees else ''}. The FMU {_SHOWN}"
     )
+
+
+def differences_table(found: Sequence[Agreement]) -> Table | None:
+    """Largest differences of coupled runs from the native ones, at the communication step and half of it."""
+    coupled = [one for one in found if one.basis == "coupling" and one.differences_at_half_step]
+    if not coupled:
+        return None
+    rows: list[tuple[Cell, ...]] = [
+        ("position", "m", *_halved([(one.position or 0.0, one.position_at_half_step or 0.0) for one in coupled]))
+    ]
+    for name, unit in _TABLED.items():
+        pairs = [
+            (one.differences[name], one.differences_at_half_step[name])
+            for one in coupled
+            if name in one.differences and name in one.differences_at_half_step
+        ]
+        rows += [(name, unit, *_halved(pairs))] if pairs else []
+    columns = ("variable", "unit", "at the step", "at half of it", "ratio")
+    caption = f"Largest difference from the native simulation, over {len(coupled)} runs that ended in all of these"
+    return Table("differences", columns, tuple(rows), caption)
+
+
+def _halved(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, float | None]:
+    whole, half = (max(values) for values in zip(*pairs, strict=True))
+    return whole, half, half / whole if whole else None
 
 
 def _bounds_text(found: Sequence[Agreement]) -> str:

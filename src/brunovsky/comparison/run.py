@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import platform
 import tempfile
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -30,6 +31,7 @@ from brunovsky.comparison.facts import Facts, compute_facts
 from brunovsky.comparison.metrics import Metrics, compute_metrics
 from brunovsky.comparison.protocol_runs import ProtocolRun, run_protocol
 from brunovsky.comparison.protocols import step_sensitive_metrics
+from brunovsky.comparison.run_files import UNITS, run_files
 from brunovsky.comparison.ssp_engine import SspSimulation, opened_ssps
 from brunovsky.comparison.study import EngineName, Law, Loop, PlannedRun, Scenario, Study
 from brunovsky.comparison.study.communication import check_communication
@@ -178,7 +180,13 @@ def run_study(
             runs.append(_run(planned, simulator, native))
         protocols = _protocols(study, runs, simulator, native, report)
         report(len(plan), len(plan), "runs")
-        provenance = study_provenance(study, **simulator.provenance(), step_size=study.step_size_s)
+        provenance = study_provenance(
+            study,
+            **simulator.provenance(),
+            step_size=study.step_size_s,
+            units=UNITS,
+            files=run_files(simulator, plan),
+        )
     return Comparison(study, chosen, tuple(runs), FrozenMapping(provenance), protocols)
 
 
@@ -249,11 +257,32 @@ def _engine(
             paths = _built(loops, target / _FOLDERS[name], _SUFFIXES[name], building)
         else:
             paths = dict.fromkeys(loops, Path(given))
-        if name == "ssp":
-            step, scheme = study.communication_step, study.scheme
-            yield stack.enter_context(opened_ssps(paths, step, scheme, checked_for=checked_for))
-        else:
-            yield stack.enter_context(opened_fmus(paths, checked_for=checked_for))
+        simulator: Engine
+        try:
+            if name == "ssp":
+                step, scheme = study.communication_step, study.scheme
+                simulator = stack.enter_context(opened_ssps(paths, step, scheme, checked_for=checked_for))
+            else:
+                simulator = stack.enter_context(opened_fmus(paths, checked_for=checked_for))
+        except StudyError as error:
+            if given is not own:
+                raise
+            raise StudyError(f"{study.own_place(name)}: {error}") from None
+        yield simulator
+
+
+def check_own_file(study: Study, engine: EngineName | None = None) -> None:
+    """Open the file of a study's own that an engine would run, if it has one, before anything is run.
+
+    Raises
+    ------
+    StudyError
+        With study file, line and key, if it is missing, cannot be run or lacks a variable.
+    """
+    chosen = engine or study.engine
+    if study.own_file(chosen) is not None:
+        with _engine(chosen, study, NativeSimulation(), study.plan(), None, None, lambda what: None):
+            pass
 
 
 def _built(loops: Iterable[Loop], folder: Path, suffix: str, building: Callable[[str], None]) -> dict[Loop, Path]:
@@ -262,10 +291,11 @@ def _built(loops: Iterable[Loop], folder: Path, suffix: str, building: Callable[
 
     folder.mkdir(parents=True, exist_ok=True)
     paths: dict[Loop, Path] = {}
+    stems = Counter[str]()
     for loop in loops:
         stem = loop.block.name if loop.controller == "sliding_mode" else f"{loop.block.name}_{loop.controller}"
-        same = sum(path.stem.startswith(stem) for path in paths.values())
-        paths[loop] = folder / f"{stem}{f'_{same + 1}' if same else ''}{suffix}"
+        stems[stem] += 1
+        paths[loop] = folder / f"{stem}{f'_{stems[stem]}' if stems[stem] > 1 else ''}{suffix}"
         building(f"building {paths[loop].stem}")
         if suffix == ".ssp":
             export_ssp(loop.block, paths[loop])

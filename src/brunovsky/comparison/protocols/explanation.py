@@ -98,7 +98,9 @@ MAP = Explanation(
 MARGINS = Explanation(
     "Measured margins",
     "Each law does the same scenario with another gain, delay, lag or sampling period of its actuators; bisection "
-    "narrows down the first place where it no longer does. A run counts as stable if its position error stays within "
+    "narrows down the first place where it no longer does; "
+    "all these runs are native, whatever the engine of the study. "
+    "A run counts as stable if its position error stays within "
     "the stated bound over the last quarter without growing, which its root mean square does where it rises over each "
     "of the last four eighths of the run, by five per cent in all, to above 1 nm. Under a law whose sliding variable "
     "leaves its boundary layer then, an error below the stated size may grow, as chatter is not the same in each part. "

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from brunovsky.comparison.facts import TINY, joined, number, percent
 from brunovsky.comparison.protocols.evaluation import failures_told, phrase, unit, with_unit
 from brunovsky.comparison.protocols.paired import Difference, LawRates, RateDifference
-from brunovsky.comparison.statistics import Estimate
+from brunovsky.comparison.statistics import FEWEST, Estimate
 
 if TYPE_CHECKING:
     from brunovsky.comparison.protocols.monte_carlo import MonteCarlo
@@ -18,13 +18,19 @@ def monte_carlo_findings(study: MonteCarlo) -> list[str]:
     told = failures_told(study.trials)
     told += _all_rates(study)
     told += [_failures(one) for one in study.rate_differences if one.only_first or one.only_second]
+    if study.cases < FEWEST:
+        told.append(
+            f"{study.cases} cases are fewer than the {FEWEST} from which medians, means and differences have an "
+            "interval: no two laws are told apart."
+        )
     ranked = [metric for metric in study.metrics if metric not in study.step_sensitive]
     for metric in study.metrics:
         told.append(_medians(study, metric))
         if metric in study.step_sensitive:
             told.append(f"The {phrase(metric)} depends on the step of the simulation: it ranks no law.")
         else:
-            told += [_difference(study, one) for one in study.differences if one.metric == metric]
+            pairs = [one for one in study.differences if one.metric == metric]
+            told += [_difference(study, one) for one in pairs if study.cases >= FEWEST or one.median.n == 0]
     count = sum(one.metric in ranked and one.mean.low is not None for one in study.differences)
     if count > 1:
         told.append(
@@ -78,8 +84,9 @@ def interval(one: Estimate, digits: int = 3) -> str:
     """Estimate with its interval, or with the reason why there is none."""
     if one.estimate is None:
         return f"unknown ({one.note})"
-    if one.low is None or one.high is None:
-        return f"{number(one.estimate, digits)} ({one.note})"
+    if one.low is None or one.high is None:  # where the cases are too few for any, that is said once
+        few = one.n + one.failures < FEWEST
+        return number(one.estimate, digits) if few else f"{number(one.estimate, digits)} ({one.note})"
     return f"{number(one.estimate, digits)} [{number(one.low, digits)}, {number(one.high, digits)}]"
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Literal
+from typing import Any, Literal
 
 import jinja2
 from markupsafe import Markup
 
 from brunovsky.comparison import drawing, equations, figures
-from brunovsky.comparison.agreement import engine_text
+from brunovsky.comparison.agreement import differences_table, engine_text
 from brunovsky.comparison.claim import Claim
 from brunovsky.comparison.claims import claims, examined
 from brunovsky.comparison.facts import given, joined, number
@@ -27,6 +27,7 @@ from brunovsky.comparison.report.overall import overall_table
 from brunovsky.comparison.report.scenario import Picture, ScenarioSection, scenario_section
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
+from brunovsky.comparison.run_files import aside_text, coupling_text, files_table
 from brunovsky.comparison.sensitivity import step_note
 from brunovsky.comparison.step_words import instants_text, step_text
 from brunovsky.comparison.study import Scenario
@@ -131,12 +132,32 @@ def render(content: Content, medium: Medium) -> str:
         engine_text=engine_text(
             comparison.engine, comparison.provenance, [one.agreement for one in comparison.runs if one.agreement]
         ),
-        provenance=provenance,
+        provenance=_told(provenance),
+        files=files_table(provenance["files"]) if provenance.get("files") else None,
+        coupling_text=coupling_text(provenance.get("files", ()), provenance, own=_own(comparison)),
+        differences=differences_table([one.agreement for one in comparison.runs if one.agreement]),
+        aside=aside_text(study, comparison.engine),
         resolved=study.resolved(),
         step_note=step_note(comparison.engine),
         step_text=step_text(comparison),
         instants_text=instants_text(comparison),
     )  # fmt: skip
+
+
+def _own(comparison: Comparison) -> bool:
+    """Whether a file of the study's own was run."""
+    return any(run.agreement is not None and run.agreement.basis == "models" for run in comparison.runs)
+
+
+def _told(provenance: dict[str, Any]) -> dict[str, Any]:
+    """Provenance as the report lists it: numbers with their units, files in a table of their own."""
+    units = provenance.get("units", {})
+    hidden = ("units", "files", *(("ssp_sha256", "fmu_sha256") if provenance.get("files") else ()))
+    return {
+        name: f"{value} {units[name]}" if name in units else value
+        for name, value in provenance.items()
+        if name not in hidden
+    }
 
 
 def _grouped(comparison: Comparison) -> list[tuple[str, list[Scenario]]]:

@@ -34,6 +34,8 @@ def describe(path: Path, text: str, error: ValidationError, models: Mapping[str,
     problems.sort(key=lambda one: one["type"] == "missing")
     first = problems[0]
     where = [part for part in first["loc"] if part != "[key]"]
+    if where[:1] == ["protocols"]:  # pydantic names the kind of a protocol as if it were a table
+        del where[2:3]
     named = _NAMED.match(_plain(first)) if not where else None
     if named:  # a check of the whole study that names its table
         line = _line(text, [named[1], int(named[2]) - 1])
@@ -43,6 +45,12 @@ def describe(path: Path, text: str, error: ValidationError, models: Mapping[str,
     others = len(problems) - 1
     more = f" ({others} more problem{'s' if others > 1 else ''} after this one)" if others else ""
     return f"{place}: {_place(where)}{_what(first, where, models)}{more}"
+
+
+def place_of(path: Path, text: str, key: str) -> str:
+    """File, line and name of a key at the top of a study file."""
+    line = _line(text, [key])
+    return f"{path}{f', line {line}' if line else ''}: {key}"
 
 
 def _what(problem: Any, where: list[int | str], models: Mapping[str, type[BaseModel]]) -> str:

@@ -25,7 +25,7 @@ from brunovsky.comparison.study.law import Law, Name
 from brunovsky.comparison.study.loops import KINDS, Hardware, LawKind, knows_hardware
 from brunovsky.comparison.study.planned import PlannedRun
 from brunovsky.comparison.study.planning import check_protocol, planned_run
-from brunovsky.comparison.study.problems import describe
+from brunovsky.comparison.study.problems import describe, place_of
 from brunovsky.comparison.study.protocols import Metric, Protocol
 from brunovsky.comparison.study.scenario import Scenario, ScenarioTable
 from brunovsky.comparison.study.shortened import shortened_tables
@@ -70,6 +70,7 @@ class Study(StudyTable):
     chatter: tuple[ChatterTable, ...] = Field(default=(), strict=False)
     protocols: tuple[Protocol, ...] = Field(default=(), strict=False)
     _folder: Path | None = PrivateAttr(default=None)  # that of the study file, where it names others
+    _places: dict[str, str] = PrivateAttr(default_factory=dict)  # where it does so
 
     @field_validator("metrics", "figures")
     @classmethod
@@ -127,6 +128,11 @@ class Study(StudyTable):
         """File of the user's own that an engine runs in place of what it exports."""
         named = self._own(engine)
         return None if named is None else (self._folder or Path()) / named
+
+    def own_place(self, engine: EngineName) -> str:
+        """Where the study names that file: study file, line and key, as far as they are known."""
+        key = "fmu" if engine == "fmpy" else engine
+        return self._places.get(key, f"study '{self.name}': {key}")
 
     @property
     def communication_step(self) -> float:
@@ -333,6 +339,7 @@ def load_study(path: str | Path) -> Study:
         study = Study.model_validate(data, context={"kinds": _kinds(data)})
         if study.fmu or study.ssp:
             study._folder = path.parent
+            study._places = {key: place_of(path, text, key) for key in ("fmu", "ssp")}
         return study
     except ValidationError as error:
         raise StudyError(
