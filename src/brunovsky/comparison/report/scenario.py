@@ -37,10 +37,7 @@ class ScenarioSection:
     footnote: str
 
 
-_SIGNALS = (
-    "Axes are linear about zero and, where that isn’t enough, logarithmic beyond; traces are thinned so that peaks "
-    "remain."
-)
+_SIGNALS = "Traces are thinned so that peaks remain."
 # In the order in which every scenario shows them.
 _FIGURES: tuple[tuple[FigureName, str, Callable[[Comparison, Scenario], Figure], str], ...] = (
     (
@@ -95,6 +92,7 @@ def _pictures(comparison: Comparison, scenario: Scenario) -> tuple[Picture, ...]
             continue
         title = f"{name}: {scenario.title}"
         key = f"{scenario.name}-{name.lower().replace(' ', '-')}"
-        svg = drawing.svg(draw(comparison, scenario), key, title)
-        found.append(Picture(svg, f"{title}. {about.format(window=until)}", narrow=kind == "path"))
+        figure = draw(comparison, scenario)
+        caption = f"{title}. {about.format(window=until)} {figures.linear_parts(figure)}".rstrip()
+        found.append(Picture(drawing.svg(figure, key, title), caption, narrow=kind == "path"))
     return tuple(found)
