@@ -1,5 +1,6 @@
 """Numbers that depend on the step are found by a run at half of it, marked, and rank no law."""
 
+import dataclasses
 import json
 import math
 
@@ -43,6 +44,21 @@ def test_a_table_with_marks_has_a_footnote_and_one_without_has_none(paper_runs, 
         runs = [run for _, run in paper_runs.laws_of(scenario)]
         marked = any(cell.startswith("≈") for _, _, cells in metric_rows(runs) for cell in cells)
         assert bool(footnote(runs)) == marked
+
+
+def test_a_footnote_tells_which_input_and_both_numbers_where_a_share_of_the_base_says_nothing(paper_runs):
+    run = run_of(paper_runs, "fig6-inside/sign")
+    assert run.half_step is not None
+    half = dataclasses.replace(
+        run.half_step, metrics=dataclasses.replace(run.half_step.metrics, effort_u1=1e-9, effort_u2=3.0, min_speed=2.0)
+    )
+    changed = dataclasses.replace(run.metrics, effort_u1=1.0, effort_u2=2.0, min_speed=1e-9)
+    text = footnote(
+        [dataclasses.replace(run, metrics=changed, half_step=half)], ["effort_u1", "effort_u2", "min_speed"]
+    )
+    assert "effort (integral of u₁²) from 1.0 to 1.0×10⁻⁹\u00a0m²/s³ (sign)" in text
+    assert "effort (integral of u₂²) by 50\u00a0% (sign)" in text
+    assert "smallest |η₁| from 1.0×10⁻⁹ to 2.0\u00a0m/s (sign)" in text
 
 
 def test_figure_5_is_not_ranked_by_its_tail_or_heading(paper_runs, paper):

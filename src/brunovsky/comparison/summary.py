@@ -14,6 +14,7 @@ from brunovsky.comparison.protocol_section import Cell, ProtocolSection, Table
 from brunovsky.comparison.protocol_sections import protocol_sections
 from brunovsky.comparison.protocols.evaluation import with_unit
 from brunovsky.comparison.report.overall import overall_table
+from brunovsky.comparison.report.pairs import pairs_note
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
 from brunovsky.comparison.sensitivity import step_note
@@ -46,8 +47,9 @@ def summary_markdown(comparison: Comparison) -> str:
         f"All numbers are those of this step. {step_note(comparison.engine)}",
     ]
     found, protocols = claims(comparison), protocol_sections(comparison, drawn=False)
-    lines += ["", "## Verdict", "", *_items(verdict(comparison, found, protocols))]
-    told = examined(found)
+    sentences, told = verdict(comparison, found, protocols), examined(found)
+    note = pairs_note([*sentences, *(claim.shown for claim in told)])
+    lines += ["", "## Verdict", "", *([note, ""] if note else []), *_items(sentences)]
     if told:
         lines += ["", "## What the paper claims, and what these runs show", ""]
         lines += _items(f"{claim.quote}: **{claim.verdict}**. {claim.shown}" for claim in told)

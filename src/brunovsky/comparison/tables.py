@@ -26,6 +26,7 @@ MARGIN_ROWS = (
     ("lag", "longest first-order lag, ms", 1e3),
     ("two_lags", "two equal lags, each at most, ms", 1e3),
 )
+_NOTHING, _MANIFOLD = 0.9, 10.0  # relative changes beyond which both numbers are told
 
 
 def told_metrics(names: Sequence[str] = ()) -> tuple[Definition, ...]:
@@ -70,8 +71,8 @@ def footnote(runs: list[Run], names: Sequence[str] = ()) -> str:
     for one in told_metrics(names):
         marked = [run for run in runs if both(run, one.name)[0] is not None and not converged(run, one.name)]
         if marked:
-            changes = [f"{_change(run, one.name)} ({run.planned.law})" for run in marked]
-            parts.append(f"{one.title.split(' (')[0].split(',')[0]} by {joined(changes)}")
+            changes = [f"{_change(run, one)} ({run.planned.law})" for run in marked]
+            parts.append(f"{one.phrase} {joined(changes)}")
     if not parts:
         return ""
     return (
@@ -80,11 +81,16 @@ def footnote(runs: list[Run], names: Sequence[str] = ()) -> str:
     )
 
 
-def _change(run: Run, name: str) -> str:
-    if is_tiny(run, name):
-        return f"{number((both(run, name)[1] or 0.0) - (both(run, name)[0] or 0.0), 2)} m"
-    found = sensitivity(run, name)
-    return "an undefined share" if found is None else percent(found)
+def _change(run: Run, one: Definition) -> str:
+    """By how much a metric changes at half the step; from what to what where a share of its base says nothing."""
+    value, half = both(run, one.name)
+    share = sensitivity(run, one.name)
+    if half is None:
+        return "to none"
+    if is_tiny(run, one.name) or share is None or not -_NOTHING < share < _MANIFOLD:
+        unit = "" if one.unit == "1" else f"\u00a0{one.unit}"
+        return f"from {number(value, 2)} to {number(half, 2)}{unit}"
+    return f"by {percent(share)}"
 
 
 def conditions(run: Run) -> str:

@@ -8,6 +8,7 @@ import pytest
 
 from brunovsky.comparison import load_study, run_study, summary_markdown, write_report
 from brunovsky.comparison.report.page import report_content
+from brunovsky.comparison.report.scenario import scenario_section
 from brunovsky.errors import StudyError
 
 
@@ -60,3 +61,19 @@ def test_what_cannot_be_shown_is_refused(small, line: str, told: str) -> None:
     with pytest.raises(StudyError) as error:
         load_study(with_lines(small, line))
     assert told in str(error.value) and "line 1" in str(error.value)
+
+
+def test_many_laws_are_drawn_in_figures_of_a_few_each_with_pole_placement(small) -> None:
+    laws = "".join(
+        f'[[laws]]\nname = "layer{k}"\nkind = "saturation"\nparameters = {{ phi_m_per_s2 = {0.05 * k:g} }}\n'
+        for k in range(1, 7)
+    )
+    text = small.read_text(encoding="utf-8").replace("duration_s = 3.0", "duration_s = 0.2")
+    small.write_text(text.replace("[[scenarios]]", f"{laws}[[scenarios]]"), encoding="utf-8")
+    comparison = run_study(load_study(with_lines(small, 'figures = ["path"]')))
+    section = scenario_section(comparison, comparison.study.scenarios[0])
+    assert [one.caption.partition(".")[0] for one in section.figures] == [
+        "Path: Circle, 1 of 2, under “linear”, “relay”, “layer1”, “layer2” and “layer3”",
+        "Path: Circle, 2 of 2, under “linear”, “layer4”, “layer5” and “layer6”",
+    ]
+    assert len(section.table.columns) == 2 + 8

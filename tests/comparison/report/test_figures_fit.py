@@ -6,7 +6,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from brunovsky.comparison import drawing, load_study, run_study
-from brunovsky.comparison.figures import paths_figure, phase_figure
+from brunovsky.comparison.figures import inputs_figure, linear_parts, paths_figure, phase_figure, sliding_figure
 from brunovsky.comparison.figures.traces import add_legend
 from brunovsky.comparison.study import Law
 
@@ -66,3 +66,21 @@ def test_laws_beyond_the_styles_are_told_apart_by_markers():
     start, apart = drawing.marks(12, 600)["markevery"]
     assert 0 <= start < apart == 100
     assert all(drawing.style(k)["color"] != "#c3cbd1" for k in range(6, 13))
+
+
+def test_a_caption_says_up_to_where_an_axis_is_linear_and_the_layer_has_its_value(small):
+    text = small.read_text(encoding="utf-8").replace("x_start_m = 1.0", "x_start_m = 2.5")
+    layer = '[[laws]]\nname = "layer"\nkind = "saturation"\nparameters = { phi_m_per_s2 = 0.07 }\n'
+    small.write_text(text.replace("[[scenarios]]", f"{layer}[[scenarios]]"), encoding="utf-8")
+    found = run_study(load_study(small))
+    scenario = found.study.scenarios[0]
+    with drawing.settings():
+        inputs, sliding, phase = (draw(found, scenario) for draw in (inputs_figure, sliding_figure, phase_figure))
+    assert "±1\u00a0rad/s² (yaw acceleration u₂)" in linear_parts(inputs)
+    assert (
+        linear_parts(sliding)
+        == "Linear up to ±0.01\u00a0m/s² (sliding variable S₁ and sliding variable S₂), logarithmic beyond."
+    )
+    for figure in (sliding, phase):
+        assert [one.get_text() for axes in figure.axes for one in axes.texts] == ["φ = 0.07"] * 2
+    assert linear_parts(drawing.new_figure(1.0, 1.0)) == ""

@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from brunovsky._frozen import FrozenMapping
-from brunovsky.comparison import Comparison, Run, Status
+from brunovsky._resources import resource
+from brunovsky.comparison import Comparison, Run, Status, load_study
 from brunovsky.comparison.claims import claims
 from brunovsky.comparison.facts import number
 from brunovsky.comparison.features import features
@@ -429,10 +430,10 @@ def test_a_paired_study_speaks_to_noise(paper_runs, factor, expected, words):
 def test_a_failed_run_is_told_first_and_confirms_nothing_without_conditions(paper_runs):
     made = failed(paper_runs, "fig6-inside/sign")
     found = verdict(made, claims(made))
-    assert found[0].startswith("1 of 28 runs failed: fig6-inside/sign (singular)")
+    assert found[0].startswith("1 of 28 runs of the scenarios failed: fig6-inside/sign (singular)")
     assert "confirmed" not in {one.verdict for one in claims(made)}
     assert "fig6-inside/sign" in of(made, "steady state errors").shown
-    assert verdict(paper_runs, claims(paper_runs))[-1] == "All 28 runs reached their end."
+    assert verdict(paper_runs, claims(paper_runs))[-1] == "All 28 runs of the scenarios reached their end."
 
 
 @pytest.mark.parametrize(
@@ -596,6 +597,14 @@ def test_the_box_says_what_is_missing_and_only_that(paper_runs):
     runs = tuple(run for run in paper_runs.runs if run.planned.scenario == "fig6-inside")
     text = "\n".join(limits(replace(paper_runs, study=calm, runs=runs), []))
     assert "disturbances, errors of mass and inertia or wheel slip" in text and "chaotic" not in text
+
+
+def test_the_box_does_not_deny_what_the_protocols_show(paper_runs):
+    mapped = load_study(resource("comparisons", "initial_heading.toml")).protocols
+    study = paper_runs.study.model_copy(update={"protocols": mapped})
+    text = "\n".join(limits(replace(paper_runs, study=study), []))
+    assert "Apart from the points of the maps below, nothing is said of motions between" in text
+    assert "\nNothing is said of motions between" in "\n".join(limits(paper_runs, []))
 
 
 def test_what_a_study_has_is_not_said_to_be_missing(paper_runs, monkeypatch):

@@ -5,7 +5,7 @@ from brunovsky.comparison.figures.loop import bode_figures, poles_figure
 from brunovsky.comparison.figures.paths import path_figure, path_of, paths_figure
 from brunovsky.comparison.figures.phase import phase_figure
 from brunovsky.comparison.figures.signals import errors_figure, inputs_figure, sliding_figure
-from brunovsky.comparison.figures.traces import transient_window
+from brunovsky.comparison.figures.traces import linear_parts, transient_window
 from brunovsky.comparison.figures.worst import worst_paths_figure
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "describing_functions",
     "errors_figure",
     "inputs_figure",
+    "linear_parts",
     "path_figure",
     "path_of",
     "paths_figure",

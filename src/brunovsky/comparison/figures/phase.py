@@ -30,7 +30,7 @@ def phase_figure(comparison: Comparison, scenario: Scenario) -> Figure:
         _scale(axes, planes, laws)
         _draw_portrait(axes, planes)
         _draw_reaching(axes, laws)
-        draw_limits(axes, layers(laws), vertical=True)
+        draw_limits(axes, layers(laws), "φ", vertical=True)
         axes.set(xlabel=f"S{'₁₂'[k - 1]}, m/s²", ylabel=f"S{'₁₂'[k - 1]}′, m/s³")
     add_legend(figure, [(index, law) for index, law, _ in laws], place_handles(set()))
     return figure

@@ -54,7 +54,7 @@ def inputs_figure(comparison: Comparison, scenario: Scenario) -> Figure:
         axes.set_title(label, loc="left")
     draw_signal(speed, laws, "eta[1]", window)
     guards = [run.planned.guard for _, _, run in laws if run.planned.guard is not None]
-    draw_limits(speed, guards)
+    draw_limits(speed, guards, "η_min")
     drawing.signed_decades(speed, 0.1, at_least=0.1)
     note = ";  dotted: ±$\\eta_\\mathrm{min}$" if guards else ""
     speed.set_title(f"velocity η₁, m/s{note}", loc="left")
@@ -69,7 +69,7 @@ def sliding_figure(comparison: Comparison, scenario: Scenario) -> Figure:
     found = layers(laws)
     for axes, k in zip(figure.subplots(1, 2), (1, 2), strict=True):
         draw_signal(axes, laws, f"S[{k}]", window)
-        draw_limits(axes, found)
+        draw_limits(axes, found, "φ")
         drawing.signed_decades(axes, 0.01, at_least=0.01)
         note = ";  dotted: boundary layer ±φ" if found else ""
         axes.set_title(f"sliding variable S{'₁₂'[k - 1]}, m/s²{note}", loc="left")

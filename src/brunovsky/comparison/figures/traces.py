@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from brunovsky.comparison import drawing
+from brunovsky.comparison.facts import given, joined
 from brunovsky.comparison.metrics import Array, instants, values
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.study import Law, Scenario
@@ -21,6 +23,9 @@ START = {**POINT, "marker": "o", "markersize": 6.0}
 END = {**POINT, "marker": "o", "markersize": 4.5}
 # inches: a row of the legend, what is below it with and without titles, each further row of these
 _LEGEND_ROW, _TITLE, _MARGIN, _TITLE_ROW = 0.19, 0.39, 0.08, 0.16
+_WRITTEN: dict[str, Any] = {"va": "bottom", "fontsize": 7.5, "zorder": 9.0, "clip_on": True}
+_WRITTEN["bbox"] = {"facecolor": "#ffffff", "edgecolor": "none", "alpha": 0.85, "pad": 0.8}
+_SUBSCRIPT = re.compile(r"\$_\\mathrm\{(\w+)\}\$")
 TARGET = {**POINT, "marker": "x", "markersize": 7.0, "markeredgewidth": 1.8}
 
 
@@ -64,11 +69,32 @@ def draw_signal(axes: Axes, laws: Drawn, name: str, window: float) -> None:
     axes.set_xlabel("time, s")
 
 
-def draw_limits(axes: Axes, limits: Sequence[float], *, vertical: bool = False) -> None:
-    """Dotted lines at plus and minus each limit."""
+def draw_limits(axes: Axes, limits: Sequence[float], symbol: str, *, vertical: bool = False) -> None:
+    """Dotted lines at plus and minus each limit, which is written at the positive one."""
     for limit in sorted(set(limits)):
         for value in (-limit, limit):
             (axes.axvline if vertical else axes.axhline)(value, **drawing.REFERENCE)
+        text = f"{symbol} = {given(limit)}"
+        if vertical:
+            axes.text(limit, 0.02, text, transform=axes.get_xaxis_transform(), rotation=90.0, ha="left", **_WRITTEN)
+        else:
+            axes.text(0.995, limit, text, transform=axes.get_yaxis_transform(), ha="right", **_WRITTEN)
+
+
+def linear_parts(figure: Figure) -> str:
+    """Up to where each axis is linear that is logarithmic on both sides of zero, in a sentence; empty without one."""
+    found: dict[str, list[str]] = {}
+    for axes in figure.axes:
+        for axis, label in (
+            (axes.xaxis, axes.get_xlabel()),
+            (axes.yaxis, axes.get_ylabel() or axes.get_title(loc="left")),
+        ):
+            scale: Any = axis.get_transform()
+            if axis.get_scale() == "symlog":
+                name, _, unit = _SUBSCRIPT.sub(r"_\1", label).partition(";")[0].rpartition(", ")
+                found.setdefault(f"±{given(scale.linthresh)}\u00a0{unit}", []).append(name)
+    parts = [f"{value} ({joined(list(dict.fromkeys(names)))})" for value, names in found.items()]
+    return f"Linear up to {joined(parts)}, logarithmic beyond." if parts else ""
 
 
 def layers(laws: Drawn) -> list[float]:

@@ -19,6 +19,8 @@ _LACKING = {
     "uncertainty": "errors of mass and inertia",
 }
 
+_BEYOND = {"map": "maps", "swept": "sweeps", "monte_carlo": "Monte-Carlo samples"}  # protocols, by kind
+
 
 def limits(comparison: Comparison, claims: list[Claim]) -> list[str]:
     """Sentences, each true of this study."""
@@ -51,12 +53,11 @@ def limits(comparison: Comparison, claims: list[Claim]) -> list[str]:
         found.append(
             "Only the switching term is compared. Another choice of poles is another question; so is tuning each "
             "law to "
-            "its best, unless a protocol above does so."
+            "its best, unless a protocol below does so."
         )
     found.append(
-        f"Nothing is said of motions between and beyond the {len(study.scenarios)} scenarios; one run of a "
-        "scenario has "
-        "no spread, and a difference between two runs is no statistic."
+        f"{_apart(comparison)}othing is said of motions between and beyond the {len(study.scenarios)} scenarios; one "
+        "run of a scenario has no spread, and a difference between two runs is no statistic."
     )
     unsure = [name for name in comparison.runs[0].metrics.as_dict() if any(_unsure(comparison, name))]
     if unsure:
@@ -76,6 +77,13 @@ def limits(comparison: Comparison, claims: list[Claim]) -> list[str]:
     elif open_claims:
         found.append(f"{len(open_claims)} of the paper’s claims cannot be examined with these runs, as the table says.")
     return found
+
+
+def _apart(comparison: Comparison) -> str:
+    """Beginning of a sentence: which protocols say something of motions other than the scenarios'."""
+    kinds = {one.kind for one in comparison.study.protocols}
+    there = [text for kind, text in _BEYOND.items() if kind in kinds]
+    return f"Apart from the points of the {joined(there)} below, n" if there else "N"
 
 
 def _lacking(comparison: Comparison) -> str:

@@ -24,6 +24,7 @@ from brunovsky.comparison.report.layout import cell_text, table_layout, table_pa
 from brunovsky.comparison.report.limits import limits
 from brunovsky.comparison.report.linear import LinearSection, linear_section
 from brunovsky.comparison.report.overall import overall_table
+from brunovsky.comparison.report.pairs import pairs_note
 from brunovsky.comparison.report.scenario import Picture, ScenarioSection, scenario_section
 from brunovsky.comparison.report.verdict import verdict
 from brunovsky.comparison.run import Comparison
@@ -125,6 +126,7 @@ def render(content: Content, medium: Medium) -> str:
         study=study,
         model=model,
         medium=medium,
+        pairs_note=pairs_note([*content.verdict, *(one.shown for one in content.claims)]),
         about_the_paper=bool(examined(list(content.claims))),
         guards=joined(sorted({given(run.guard) for run in plan if run.guard is not None}) or ["–"]),
         failed=[run for run in comparison.runs if not run.ok],

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
+
 from brunovsky.comparison.facts import joined, percent
 from brunovsky.comparison.features import run_features
 from brunovsky.comparison.findings_steady import HARDLY, STILL
@@ -9,6 +12,7 @@ from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import both, is_tiny, spread_of
 
 Pair = tuple[Run, Run]
+PAIR = "A pair of runs is one scenario under two laws: pole placement, and the law that is named."
 SHARE = {"settling_time": "the settling time to 1 cm", "rms_tail_error": "the RMS error of the last quarter"}
 _ACTING = {
     "disturbance": "disturbances",
@@ -37,6 +41,11 @@ def range_of(found: list[float]) -> str:
     """The least and the largest of some relative changes."""
     low, high = percent(min(found)), percent(max(found))
     return low if low == high else f"{low} to {high}"
+
+
+def pairs_note(sentences: Iterable[str]) -> str:
+    """What a pair of runs is, for sentences that speak of pairs; empty for others."""
+    return PAIR if any(re.search(r"pairs? of runs", one) for one in sentences) else ""
 
 
 def count_of(count: int) -> str:

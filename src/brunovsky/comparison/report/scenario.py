@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from matplotlib.figure import Figure
 
 from brunovsky.comparison import drawing, figures
-from brunovsky.comparison.facts import given
+from brunovsky.comparison.facts import given, joined
 from brunovsky.comparison.findings import scenario_findings
 from brunovsky.comparison.protocol_section import Table
 from brunovsky.comparison.run import Comparison
-from brunovsky.comparison.study import FigureName, Scenario
+from brunovsky.comparison.study import FigureName, Law, Scenario
 from brunovsky.comparison.tables import conditions, footnote, metric_rows
 
 
@@ -37,10 +39,8 @@ class ScenarioSection:
     footnote: str
 
 
-_SIGNALS = (
-    "Axes are linear about zero and, where that isn’t enough, logarithmic beyond; traces are thinned so that peaks "
-    "remain."
-)
+MOST, BESIDE = 6, 4  # laws that one figure shows; of more, those in a figure beside pole placement
+_SIGNALS = "Traces are thinned so that peaks remain."
 # In the order in which every scenario shows them.
 _FIGURES: tuple[tuple[FigureName, str, Callable[[Comparison, Scenario], Figure], str], ...] = (
     (
@@ -86,15 +86,45 @@ def scenario_section(comparison: Comparison, scenario: Scenario) -> ScenarioSect
 
 
 def _pictures(comparison: Comparison, scenario: Scenario) -> tuple[Picture, ...]:
-    window = figures.transient_window(comparison, scenario)
-    until = f"The first {given(window)} s." if window < scenario.duration_s else "To the end."
+    groups = _groups(comparison, scenario)
     found = []
-    slides = any("S[1]" in run.trajectory for run in comparison.of(scenario).values())
     for kind, name, draw, about in _FIGURES:
-        if kind not in comparison.study.figures or (kind == "sliding" and not slides):
+        if kind not in comparison.study.figures:
             continue
-        title = f"{name}: {scenario.title}"
-        key = f"{scenario.name}-{name.lower().replace(' ', '-')}"
-        svg = drawing.svg(draw(comparison, scenario), key, title)
-        found.append(Picture(svg, f"{title}. {about.format(window=until)}", narrow=kind == "path"))
+        for k, one in enumerate(groups, 1):
+            runs = one.of(scenario).values()
+            if not any(
+                run.trajectory.sizes["time"] and (kind != "sliding" or "S[1]" in run.trajectory) for run in runs
+            ):
+                continue
+            window = figures.transient_window(one, scenario)
+            until = f"The first {given(window)} s." if window < scenario.duration_s else "To the end."
+            title, key = f"{name}: {scenario.title}", f"{scenario.name}-{name.lower().replace(' ', '-')}"
+            if len(groups) > 1:
+                title += (
+                    f", {k} of {len(groups)}, under {joined([f'“{law.name}”' for law, _ in one.laws_of(scenario)])}"
+                )
+                key += f"-{k}"
+            figure = draw(one, scenario)
+            said = about.format(window=until) if k == 1 else until * about.startswith("{window}")
+            caption = " ".join(filter(None, (f"{title}.", said, figures.linear_parts(figure))))
+            found.append(Picture(drawing.svg(figure, key, title), caption, narrow=kind == "path"))
     return tuple(found)
+
+
+def _groups(comparison: Comparison, scenario: Scenario) -> list[Comparison]:
+    """Comparisons of as few laws of a scenario as one figure can show: pole placement, or the first, is in each."""
+    laws = [law for law, _ in comparison.laws_of(scenario)]
+    if len(laws) <= MOST:
+        return [comparison]
+    base = next((law for law in laws if law.kind == "linear"), laws[0])
+    others = [law for law in laws if law is not base]
+    count = math.ceil(len(others) / BESIDE)
+    ends = [round(len(others) * k / count) for k in range(count + 1)]
+    return [_of_laws(comparison, scenario, [base, *others[first:last]]) for first, last in pairwise(ends)]
+
+
+def _of_laws(comparison: Comparison, scenario: Scenario, laws: list[Law]) -> Comparison:
+    names = {law.name for law in laws}
+    runs = tuple(run for name, run in comparison.of(scenario).items() if name in names)
+    return replace(comparison, study=comparison.study.model_copy(update={"laws": tuple(laws)}), runs=runs)

@@ -58,9 +58,13 @@ def _ended(comparison: Comparison) -> str:
     failed = [run for run in comparison.runs if not run.ok]
     count = len(comparison.runs)
     if not failed:
-        return "The one run reached its end." if count == 1 else f"All {count} runs reached their end."
+        return (
+            "The one run of the scenarios reached its end."
+            if count == 1
+            else f"All {count} runs of the scenarios reached their end."
+        )
     names = joined([f"{run.planned.name} ({run.status.state})" for run in failed])
-    return f"{len(failed)} of {count} runs failed: {names}. They are in none of the comparisons below."
+    return f"{len(failed)} of {count} runs of the scenarios failed: {names}. They are in none of the comparisons below."
 
 
 def _against_pole_placement(comparison: Comparison) -> list[tuple[str, list[Pair]]]:
