@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -19,13 +20,17 @@ from brunovsky.comparison import drawing
 from brunovsky.comparison.chain_hardware import STRAIGHT, chain_hardware, chain_loop
 from brunovsky.comparison.facts import number, percent
 from brunovsky.comparison.figures.predicted_chatter import predicted_chatter_figure
-from brunovsky.comparison.metrics import tail, values
+from brunovsky.comparison.growth import envelope, grows
+from brunovsky.comparison.metrics import position_error, tail, values
 from brunovsky.comparison.protocol_section import ProtocolSection, Table
 from brunovsky.comparison.run import Comparison, Run
+from brunovsky.comparison.sensitivity import MARK, both, converged
 from brunovsky.comparison.study import Law, PlannedRun
 
 CLOSE = 0.1  # relative error up to which a prediction is told to agree
 AT_V, LOCUS, AT_U = "describing function at v", "relay locus at v", "describing function at u"
+STEADY = 0.2  # relative change of S from quarter to quarter, and growth of the error, up to which chatter is steady
+GROWING, DECAYING, STEP = "grows", "decays", "not converged"
 STEPPED = "relay locus at v, half a step later"
 SAMPLED = "map from sample to sample"
 
@@ -55,9 +60,33 @@ class PredictedChatter:
         first, second = (None if pair is None else pair[0] / pair[1] - 1.0 for pair in self.pairs)
         return first, second
 
+    @cached_property
+    def state(self) -> str:
+        """Why what is measured is no chatter to judge a prediction by; empty where it is, or where there is none.
+
+        Chatter is steady: S of the last quarter is within a fifth of that of the quarter before, and the position error
+        does not grow. A period of a few steps, or numbers that change at half the step, are those of the step, which
+        the map from sample to sample alone predicts.
+        """
+        run = self.run
+        if run.metrics.chatter_frequency is None:
+            return ""
+        time = values(run.trajectory, "time")
+        if grows(time, position_error(run.trajectory), by=STEADY):
+            return GROWING
+        third, last = envelope(time, np.hypot(*(values(run.trajectory, name) for name in ("S[1]", "S[2]"))), 2)
+        if not 1.0 - STEADY <= last / third <= 1.0 + STEADY:
+            return GROWING if last > third else DECAYING
+        if self.source == SAMPLED:
+            return ""
+        few = (run.metrics.chatter_samples or 0.0) < _FEW
+        return STEP if few or not converged(run, "chatter_frequency", "chatter_amplitude") else ""
+
     @property
     def pairs(self) -> tuple[tuple[float, float] | None, ...]:
-        """Predicted and measured frequency (rad/s), and amplitude (m/s2); None where either is missing."""
+        """Predicted and measured frequency (rad/s), and amplitude (m/s2); None where there is none to judge."""
+        if self.state:
+            return None, None
         seen = self.run.metrics
         both = ((self.frequency, seen.chatter_frequency), (self.amplitude, seen.chatter_amplitude))
         return tuple((said, found) if said and found else None for said, found in both)
@@ -73,15 +102,16 @@ def chatter_section(comparison: Comparison, *, drawn: bool = True) -> ProtocolSe
             one.run.planned.scenario,
             one.run.planned.law,
             one.source,
-            *(one.frequency, one.run.metrics.chatter_frequency, one.errors[0]),
-            *(one.amplitude, one.run.metrics.chatter_amplitude, one.errors[1]),
+            *(one.frequency, _seen(one, "chatter_frequency"), one.errors[0]),
+            *(one.amplitude, _seen(one, "chatter_amplitude"), one.errors[1]),
             one.run.metrics.chatter_samples,
+            one.state or None,
         )
         for one in found
     )
     columns = (
         *("scenario", "law", "prediction", "ω predicted, rad/s", "ω measured, rad/s", "error"),
-        *("A predicted, m/s²", "A measured, m/s²", "error", "steps in a period"),
+        *("A predicted, m/s²", "A measured, m/s²", "error", "steps in a period", "no chatter to judge by"),
     )
     findings = tuple(_findings(found))
     with drawing.settings():
@@ -93,7 +123,11 @@ def chatter_section(comparison: Comparison, *, drawn: bool = True) -> ProtocolSe
             "law, beside what is predicted from gains and hardware alone: for one chain with lags and delay at v, by "
             "describing function and, for a relay, exactly, also with the half step more by which the simulation "
             "delays the relay on average; for the robot with equal lags at its actuators along a straight line; for a "
-            "relay that is sampled, or only stepped, by the map from sample to sample. A dash is no chatter."
+            "relay that is sampled, or only stepped, by the map from sample to sample. A dash is no chatter. What "
+            "grows or decays by more than a fifth from one quarter to the next, or with a growing position error, is "
+            "none either. Chatter of fewer than ten steps in a period, or whose numbers change by more than one per cent at "
+            f"half the step (marked {MARK.strip()}), is not converged. Such a row counts neither for nor against a "
+            "prediction; that of the map is about the step itself, and is judged at any."
         ),
         figure_svg=drawing.svg(figure, "chatter-predicted") if figure is not None else "",
         table=Table("chatter", columns, rows, "Chatter, predicted and measured"),
@@ -165,16 +199,23 @@ def _heading(run: Run) -> float | None:
     return float(np.mean(last)) if float(np.ptp(last)) <= STRAIGHT else None
 
 
+def _seen(one: PredictedChatter, name: str) -> float | str | None:
+    """What was measured, marked where the step decides on it."""
+    value = both(one.run, name)[0]
+    return value if value is None or converged(one.run, name) else MARK + number(value)
+
+
 def _findings(found: Sequence[PredictedChatter]) -> Iterator[str]:
     """For each kind of prediction, how far it is off; then where it is there in one alone."""
     for source in dict.fromkeys(one.source for one in found):
         own = [one for one in found if one.source == source]
-        both = [one for one in own if None not in one.errors]
-        none = [one for one in own if one.frequency is None and one.run.metrics.chatter_frequency is None]
-        other = [one.run.planned.name for one in own if one not in both and one not in none]
+        judged = [one for one in own if not one.state]
+        pairs = [one for one in judged if None not in one.errors]
+        none = [one for one in judged if one.frequency is None and one.run.metrics.chatter_frequency is None]
+        other = [one.run.planned.name for one in judged if one not in pairs and one not in none]
         parts = []
-        near = [one for one in both if max(abs(error or 0.0) for error in one.errors) <= CLOSE]
-        for some, words in ((near, "it predicts"), ([one for one in both if one not in near], "it misses")):
+        near = [one for one in pairs if max(abs(error or 0.0) for error in one.errors) <= CLOSE]
+        for some, words in ((near, "it predicts"), ([one for one in pairs if one not in near], "it misses")):
             if some:
                 ends = [max(abs(one.errors[k] or 0.0) for one in some) for k in (0, 1)]
                 which = "" if some is near else f" ({', '.join(one.run.planned.name for one in some)})"
@@ -186,6 +227,9 @@ def _findings(found: Sequence[PredictedChatter]) -> Iterator[str]:
             parts.append(f"in {len(none)} it predicts none, and there is none")
         if other:
             parts.append(f"in {len(other)} ({', '.join(other)}) one of the two has chatter and the other none")
+        for state, words in _UNJUDGED.items():
+            there = [one.run.planned.name for one in own if one.state == state]
+            parts += [f"in {len(there)} ({', '.join(there)}) {words}"] if there else []
         yield f"The {source} was used for {len(own)} run{'s' * (len(own) != 1)}: {'; '.join(parts)}."
     coarse = [one.run.planned.name for one in found if (one.run.metrics.chatter_samples or 99.0) < _FEW]
     if coarse and not all(one.source == SAMPLED for one in found):
@@ -193,4 +237,9 @@ def _findings(found: Sequence[PredictedChatter]) -> Iterator[str]:
         yield f"In {names} a period of the chatter has fewer than {number(_FEW, 2)} steps: it is that of the step."
 
 
+_UNJUDGED = {
+    GROWING: "the run grows to its end, and shows no chatter to judge it by",
+    DECAYING: "the oscillation decays to the end, and is no chatter to judge it by",
+    STEP: "the chatter is not converged with the step, and neither for nor against it",
+}
 _FEW = 10.0  # steps in a period

@@ -14,13 +14,13 @@ ROUNDING = 1e-9  # m; a smaller error may grow by rounding alone
 PARTS = 4  # of the last half, whose root mean squares are the envelope
 
 
-def envelope(time: Array, signal: Array) -> Array:
-    """Root mean square of a signal in each of the last four eighths of the duration; NaN for one without instants."""
-    ends = time[0] + (time[-1] - time[0]) * np.linspace(0.5, 1.0, PARTS + 1)
+def envelope(time: Array, signal: Array, parts: int = PARTS) -> Array:
+    """Root mean square of a signal in equal parts of the last half of the duration; NaN for one without instants."""
+    ends = time[0] + (time[-1] - time[0]) * np.linspace(0.5, 1.0, parts + 1)
     places = np.searchsorted(time, ends)
     places[-1] = time.size
-    parts = [signal[first:last] for first, last in pairwise(places)]
-    return np.array([np.sqrt(np.mean(part**2)) if part.size else np.nan for part in parts])
+    found = [signal[first:last] for first, last in pairwise(places)]
+    return np.array([np.sqrt(np.mean(part**2)) if part.size else np.nan for part in found])
 
 
 def grows(time: Array, signal: Array, above: float = ROUNDING, by: float = GROWS) -> bool:
