@@ -119,6 +119,11 @@ class Comparison:
     provenance: Mapping[str, Any]
     protocols: tuple[ProtocolRun, ...] = ()
 
+    @property
+    def own_file(self) -> bool:
+        """Whether a file of the study's own was run."""
+        return any(run.agreement is not None and run.agreement.basis == "models" for run in self.runs)
+
     def of(self, scenario: Scenario) -> dict[str, Run]:
         """Runs of one scenario by law."""
         return {run.planned.law: run for run in self.runs if run.planned.scenario == scenario.name}

@@ -14,9 +14,15 @@ ALIKE = 0.1  # relative change at half the step up to which a difference between
 MARK = "≈\u00a0"  # before a number that is not
 
 
-def step_note(engine: str) -> str:
-    """What the mark before a number means, for the engine that made it."""
+def step_note(engine: str, *, own: bool = False) -> str:
+    """What the mark before a number means, for the engine that made it, and whether that ran a file of the user's."""
     share = f"{100 * CONVERGED:g}\u00a0%"
+    if own:
+        return (
+            f"Each run was repeated through the same file at half the {'communication ' * (engine == 'ssp')}step: a "
+            f"number marked {MARK.strip()} changes by more than {share}, so that it is a property of the step too, not "
+            "of the law alone, and no law is ranked by it."
+        )
     if engine == "ssp":
         return (
             "Each run was repeated natively, as one system and at half the internal step: a number marked "

@@ -44,7 +44,7 @@ def summary_markdown(comparison: Comparison) -> str:
         "report of a run has the figures, what each protocol does and cannot say, the poles, all metrics, the tables "
         "that are not here and the limits of the study.",
         "",
-        f"All numbers are those of this step. {step_note(comparison.engine)}",
+        f"All numbers are those of this step. {step_note(comparison.engine, own=comparison.own_file)}",
     ]
     found, protocols = claims(comparison), protocol_sections(comparison, drawn=False)
     sentences, told = verdict(comparison, found, protocols), examined(found)

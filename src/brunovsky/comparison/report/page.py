@@ -136,19 +136,14 @@ def render(content: Content, medium: Medium) -> str:
         ),
         provenance=_told(provenance),
         files=files_table(provenance["files"]) if provenance.get("files") else None,
-        coupling_text=coupling_text(provenance.get("files", ()), provenance, own=_own(comparison)),
+        coupling_text=coupling_text(provenance.get("files", ()), provenance, own=comparison.own_file),
         differences=differences_table([one.agreement for one in comparison.runs if one.agreement]),
         aside=aside_text(study, comparison.engine),
         resolved=study.resolved(),
-        step_note=step_note(comparison.engine),
+        step_note=step_note(comparison.engine, own=comparison.own_file),
         step_text=step_text(comparison),
         instants_text=instants_text(comparison),
     )  # fmt: skip
-
-
-def _own(comparison: Comparison) -> bool:
-    """Whether a file of the study's own was run."""
-    return any(run.agreement is not None and run.agreement.basis == "models" for run in comparison.runs)
 
 
 def _told(provenance: dict[str, Any]) -> dict[str, Any]:
