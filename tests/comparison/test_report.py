@@ -172,7 +172,7 @@ def test_verdicts_follow_the_numbers(paper_runs, small):
     verdicts = {claim.quote[:30]: claim.verdict for claim in claims(paper_runs)}
     assert list(verdicts.values()) == [
         "confirmed under conditions", "confirmed", "confirmed under conditions", "confirmed under conditions",
-        "confirmed under conditions", "not examined", "confirmed", "confirmed", "confirmed",
+        "confirmed under conditions", "not examined", "confirmed", "confirmed under conditions", "confirmed",
         "confirmed under conditions",
     ]  # fmt: skip
     gentle = small.read_text().replace('title = "Circle"', 'title = "Circle"\nfigure = "6"')
