@@ -125,9 +125,9 @@ def chatter_section(comparison: Comparison, *, drawn: bool = True) -> ProtocolSe
             "delays the relay on average; for the robot with equal lags at its actuators along a straight line; for a "
             "relay that is sampled, or only stepped, by the map from sample to sample. A dash is no chatter. What "
             "grows or decays by more than a fifth from one quarter to the next, or with a growing position error, is "
-            "none either. Chatter of fewer than ten steps in a period, or whose numbers change by more than one per cent "
-            f"at half the step (marked {MARK.strip()}), is not converged. Such a row counts neither for nor against a "
-            "prediction; that of the map is about the step itself, and is judged at any."
+            "none either. Chatter of fewer than ten steps in a period, or whose numbers change by more than one per "
+            f"cent at half the step (marked {MARK.strip()}), is not converged. Such a row counts neither for nor "
+            "against a prediction; that of the map is about the step itself, and is judged at any."
         ),
         figure_svg=drawing.svg(figure, "chatter-predicted") if figure is not None else "",
         table=Table("chatter", columns, rows, "Chatter, predicted and measured"),

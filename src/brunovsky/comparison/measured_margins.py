@@ -21,7 +21,7 @@ AtHalfStep = Literal["", "as found", "lost later", "lost earlier"]
 
 CONTRACTS = 0.9  # error of the last quarter over that of the quarter before, up to which a run still converges
 GROWS = 1.1  # and from which a run within its bound is growing
-SCANNED = 20  # numbers between the start and a margin at which an earlier loss is looked for
+SCANNED = 60  # numbers between the start and a margin at which an earlier loss is looked for
 SPREAD = 10.0  # ratio of the two beyond which these are spaced in the logarithm
 MOVES = 0.05  # relative change at half of the step up to which a margin is said to be that of the loop
 
@@ -147,7 +147,7 @@ def first_loss(
 ) -> MeasuredMargin:
     """A margin, or the first loss of stability before it, where there is one.
 
-    Tried are 20 numbers between the start and the margin, evenly spaced, or in the logarithm where they
+    Tried are 60 numbers between the start and the margin, evenly spaced, or in the logarithm where they
     are more than tenfold apart. A loop that is unstable at one of them is not stable up to the margin.
 
     Parameters

@@ -157,7 +157,8 @@ class _Trials:
 
 def _measured(planned: PlannedRun, outcome: Outcome) -> Measured:
     if outcome.status.state != "ok":
-        return Failure(outcome.status.message, outcome.status.state == "singular")
+        singular = outcome.status.state == "singular"
+        return Failure(outcome.status.message, singular, "ended at the singularity" if singular else "diverged")
     return compute_metrics(outcome.trajectory, **planned.measured).as_dict()
 
 

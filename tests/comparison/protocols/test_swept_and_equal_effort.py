@@ -77,6 +77,16 @@ def test_sweeps_over_nothing_are_refused(values):
         swept(toy(SLOPES), {}, "P", [0.0, 1.0], metrics=["iae"])
 
 
+def test_where_runs_failed_is_told_by_the_values_of_the_knob():
+    def evaluate(law, parameters, case):
+        return (
+            Failure("a step: eta[2] is not finite", words="diverged") if parameters["lag_s"] > 0.007 else {"iae": 1.0}
+        )
+
+    words = told(swept(evaluate, {"relay": {}}, "lag_s", [0.001, 0.008, 0.01, 0.012], metrics=["iae"]))
+    assert "3 of 4 runs failed; at lag = 0.008, 0.01 and 0.012\u00a0s: diverged." in words and "finite" not in words
+
+
 def test_failed_runs_are_told_and_never_a_nan():
     def evaluate(law, parameters, case):
         if parameters["P"] == 1.0:
@@ -89,7 +99,9 @@ def test_failed_runs_are_told_and_never_a_nan():
         "diverged at t = 1 s; shorten the step",
         "the run failed without giving a reason",
     ]
-    assert "2 of 3 runs failed; the first: diverged at t = 1 s" in told(result)
+    assert "2 of 3 runs failed; at P = 1: diverged at t = 1 s; shorten the step; at P = 3: the run failed" in told(
+        result
+    )
     assert result.rows()[0]["iae [m s]"] is None
     json.dumps(result.as_dict(), allow_nan=False)
     assert drawn(swept_figure(result)).startswith("<svg")

@@ -9,7 +9,8 @@ from typing import Any
 
 from brunovsky._frozen import FrozenMapping
 from brunovsky.comparison.definitions import Definition, definition
-from brunovsky.comparison.facts import CONVERGED
+from brunovsky.comparison.facts import CONVERGED, given, joined
+from brunovsky.comparison.symbols import key_value, symbol
 from brunovsky.errors import BrunovskyError, ParameterError
 
 
@@ -23,10 +24,18 @@ class Failure:
         In a sentence.
     singular : bool
         Whether it ended at the singularity of the law.
+    words : str
+        What happened, for sentences; empty where the reason says it.
     """
 
     reason: str
     singular: bool = False
+    words: str = ""
+
+    @property
+    def told(self) -> str:
+        """What happened, in words."""
+        return self.words or self.reason.rstrip(".")
 
 
 Evaluate = Callable[[str, Mapping[str, float], int], Mapping[str, float | None] | Failure | None]
@@ -149,16 +158,25 @@ def check_range(where: str, name: str, low: float, high: float) -> None:
         raise ParameterError(f"{where}: the range of {name} is {low!r} to {high!r}; give 0 < low < high")
 
 
-def failures_told(trials: Sequence[Trial]) -> list[str]:
-    """A sentence on the failed runs of each law, with the first reason."""
+def failures_told(trials: Sequence[Trial], knob: str = "") -> list[str]:
+    """A sentence on the failed runs of each law: what happened first, or what at which values of a knob."""
     told = []
     for law in dict.fromkeys(one.law for one in trials):
         own = [one for one in trials if one.law == law]
-        failed = [one.failure for one in own if one.failure]
+        failed = [(one, one.failure) for one in own if one.failure]
         if failed:
             which = "all" if len(failed) == len(own) else str(len(failed))
-            told.append(f"Under “{law}” {which} of {len(own)} runs failed; the first: {failed[0].reason.rstrip('.')}.")
+            text = f"; the first: {failed[0][1].told}"
+            if knob:
+                text = "".join(_at(knob, failed, words) for words in dict.fromkeys(one.told for _, one in failed))
+            told.append(f"Under “{law}” {which} of {len(own)} runs failed{text}.")
     return told
+
+
+def _at(knob: str, failed: Sequence[tuple[Trial, Failure]], words: str) -> str:
+    """At which values of a knob a thing happened."""
+    values = [one.parameters[knob] for one, failure in failed if failure.told == words]
+    return f"; at {symbol(knob)} = {joined([*map(given, values[:-1]), key_value(values[-1], knob)])}: {words}"
 
 
 def _finite(value: float | None) -> float | None:

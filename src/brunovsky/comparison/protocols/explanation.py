@@ -105,7 +105,7 @@ MARGINS = Explanation(
     "of the last four eighths of the run, by five per cent in all, to above 1 nm. Under a law whose sliding variable "
     "leaves its boundary layer then, an error below the stated size may grow, as chatter is not the same in each part. "
     "Beside it stands what the linear part (P = 0), and the linear loop within the boundary layer, are predicted to "
-    "stand along the scenario’s motion. Twenty values between none and the place found are tried for an earlier loss: "
+    "stand along the scenario’s motion. Sixty values between none and the place found are tried for an earlier loss: "
     "where there is one, it is told, and there is no margin. Both ends of the last "
     "bracket are run again at half of the step: where stability is lost more than five per cent away from what was "
     "found, that is a limit of the integration, told as a bound and not as a margin of the law.",

@@ -73,7 +73,7 @@ class Swept:
 
     def findings(self) -> list[str]:
         """Sentences that follow from the numbers."""
-        told = failures_told(self.trials)
+        told = failures_told(self.trials, self.knob)
         for metric in self.metrics:
             if metric in self.step_sensitive:
                 told.append(f"The {phrase(metric)} depends on the step of the simulation: no trend is told of it.")

@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from brunovsky.comparison.facts import joined, percent
 from brunovsky.comparison.features import run_features
 from brunovsky.comparison.findings_steady import HARDLY, STILL
+from brunovsky.comparison.growth import grows
+from brunovsky.comparison.metrics import instants, position_error
 from brunovsky.comparison.run import Run
 from brunovsky.comparison.sensitivity import both, is_tiny, spread_of
 
@@ -35,6 +37,24 @@ def rough(pairs: list[Pair]) -> list[Run]:
     """Runs in which the yaw acceleration varies more than under pole placement."""
     name = "total_variation_u2"
     return [b for a, b in pairs if (both(b, name)[0] or 0.0) > (1.0 + HARDLY) * (both(a, name)[0] or 0.0) + STILL]
+
+
+def diverges(run: Run) -> bool:
+    """Whether the position error still grows at the end of a run with nothing that varies to drive it."""
+    planned, data = run.planned, run.trajectory
+    if planned.noise or planned.signals or not run.ok:
+        return False
+    return grows(instants(data), position_error(data))
+
+
+def growing(pairs: list[Pair]) -> str:
+    """Under which laws of some pairs the error grows to the end, scenario by scenario."""
+    laws: dict[str, list[str]] = {}
+    for run in (run for pair in pairs for run in pair if diverges(run)):
+        names = laws.setdefault(run.planned.scenario, [])
+        names += [] if f"“{run.planned.law}”" in names else [f"“{run.planned.law}”"]
+    parts = [f"the error grows to the end under {joined(names)} in {scenario}" for scenario, names in laws.items()]
+    return f"{joined(parts)}, of which nothing is compared ({count_of(len(pairs))})"
 
 
 def range_of(found: list[float]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from brunovsky.comparison.claim import is_nominal
 from brunovsky.comparison.facts import joined, percent
 from brunovsky.comparison.findings_steady import ROUNDING
-from brunovsky.comparison.report.pairs import SHARE, Pair, acting_on, instead, range_of, rough, tiny
+from brunovsky.comparison.report.pairs import SHARE, Pair, acting_on, diverges, instead, range_of, rough, tiny
 from brunovsky.comparison.sensitivity import converged, largest, sure_change
 
 LISTED = 4  # laws, beyond which a sentence tells the best and the worst of them
@@ -32,10 +32,13 @@ def _some(pairs: list[Pair], nominal: bool) -> list[Pair]:
 def _metric(name: str, laws: list[Group], where: str) -> str:
     """What becomes of one metric under each law; empty where there is nothing to compare."""
     changed: list[tuple[str, list[float], int]] = []
-    unsure, nil, small, faint = [], [], [], []
+    unsure, nil, small, faint, growing = [], [], [], [], []
     for law, every in laws:
-        left = [pair for pair in every if not _is_nil(pair, name)]
-        if every and not left:
+        steady = [pair for pair in every if not any(map(diverges, pair))]
+        left = [pair for pair in steady if not _is_nil(pair, name)]
+        if len(steady) < len(every):
+            growing.append(law)
+        if steady and not left:
             nil.append(law)
             continue
         pairs = [pair for pair in left if pair not in tiny(left, name)]
@@ -51,6 +54,8 @@ def _metric(name: str, laws: list[Group], where: str) -> str:
     parts += [f"is not ranked, as the step decides or it is undefined, under {_listed(unsure)}"] if unsure else []
     parts += [f"is {instead(faint, name)} under {_listed(small)}, too little to tell a share of"] if small else []
     parts += [f"is nil, as under pole placement (below 1 nm), under {_listed(nil)}"] if nil else []
+    if growing:
+        parts.append(f"is not compared where the error grows to the end in a run of the pair, under {_listed(growing)}")
     return f"Against pole placement and {where}, {SHARE[name]} {'; '.join(parts)}." if parts else ""
 
 

@@ -11,7 +11,18 @@ from brunovsky.comparison.claim_performance import FAST, VIOLENT
 from brunovsky.comparison.facts import given, joined
 from brunovsky.comparison.findings_steady import HARDLY, ROUNDING
 from brunovsky.comparison.protocol_section import ProtocolSection
-from brunovsky.comparison.report.pairs import SHARE, Pair, acting_on, count_of, instead, range_of, rough, tiny
+from brunovsky.comparison.report.pairs import (
+    SHARE,
+    Pair,
+    acting_on,
+    count_of,
+    diverges,
+    growing,
+    instead,
+    range_of,
+    rough,
+    tiny,
+)
 from brunovsky.comparison.report.relatives import relatives
 from brunovsky.comparison.report.unsettled import unsettled
 from brunovsky.comparison.run import Comparison, Run
@@ -115,18 +126,24 @@ def _difference(name: str, pairs: list[Pair]) -> str:
     if not pairs:
         return ""
     what, aside = SHARE[name], ""
+    apart = [pair for pair in pairs if any(map(diverges, pair))]
+    if apart:
+        pairs = [pair for pair in pairs if pair not in apart]
+        aside = f"; {growing(apart)}"
+        if not pairs:
+            return f"is not compared by {what}: {growing(apart)}."
     if name == "rms_tail_error":
         nil = [pair for pair in pairs if all(largest(run, name) < ROUNDING for run in pair)]
         pairs = [pair for pair in pairs if pair not in nil]
         if not pairs:
-            return f"leaves {what} nil for every purpose, as it is without (below 1 nm; {count_of(len(nil))})."
-        aside = f"; in {count_of(len(nil))} it is nil with and without (below 1 nm)" if nil else ""
+            return f"leaves {what} nil for every purpose, as it is without (below 1 nm; {count_of(len(nil))}{aside})."
+        aside += f"; in {count_of(len(nil))} it is nil with and without (below 1 nm)" if nil else ""
     if all(both(run, name)[0] == 0.0 for pair in pairs for run in pair):
         return ""
     open_ = [pair for pair in pairs if not all(map(settled, pair))] if name == "settling_time" else []
     if open_:
         pairs = [pair for pair in pairs if pair not in open_]
-        aside = _unsettled(open_)
+        aside += _unsettled(open_)
         if not pairs:
             return f"is not ranked by {what}{aside.replace(';', ':', 1)}."
     small = tiny(pairs, name)
