@@ -53,11 +53,12 @@ def cells(page: str) -> list[str]:
 
 
 def part(comparison: Comparison) -> Comparison:
-    """The same with its first scenario alone."""
+    """The same with its first scenario alone, and of many laws one kind of figure."""
     study = comparison.study
     first = study.scenarios[0]
     runs = tuple(run for run in comparison.runs if run.planned.scenario == first.name)
-    return replace(comparison, study=study.model_copy(update={"scenarios": (first,)}), runs=runs)
+    shown = study.figures if len(runs) <= 6 else ("phase",)
+    return replace(comparison, study=study.model_copy(update={"scenarios": (first,), "figures": shown}), runs=runs)
 
 
 def named(path: Path) -> str:
