@@ -1,6 +1,7 @@
 """Every study that ships: it loads, and a short form of it runs natively to a report without holes."""
 
 import csv
+import json
 import math
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -20,6 +21,8 @@ from brunovsky.comparison import (
     summary_markdown,
     write_report,
 )
+from brunovsky.comparison.protocol_sections import protocol_data, trial_tables
+from brunovsky.comparison.report.files import csv_text
 from brunovsky.errors import StudyError
 
 STUDIES = sorted(resource("comparisons").glob("*.toml"))
@@ -53,11 +56,14 @@ def cells(page: str) -> list[str]:
 
 
 def part(comparison: Comparison) -> Comparison:
-    """The same with its first scenario alone."""
+    """The same with its first scenario alone, and of many laws one kind of figure."""
     study = comparison.study
     first = study.scenarios[0]
     runs = tuple(run for run in comparison.runs if run.planned.scenario == first.name)
-    return replace(comparison, study=study.model_copy(update={"scenarios": (first,)}), runs=runs)
+    shown = study.figures if len(runs) <= 6 else ("phase",)
+    protocols = tuple(one for one in comparison.protocols if one.table.scenario == first.name)
+    study = study.model_copy(update={"scenarios": (first,), "figures": shown})
+    return replace(comparison, study=study, runs=runs, protocols=protocols)
 
 
 def named(path: Path) -> str:
@@ -83,9 +89,11 @@ def test_a_study_is_called_as_its_file_and_its_short_form_has_no_holes(path, tmp
     # Figures take the time, so that the report is drawn of the first scenario, with all protocols.
     files = write_report(part(comparison), tmp_path, sections=protocol_sections(comparison))
     assert not HOLES & set(cells(files.report.read_text(encoding="utf-8")))
-    for table in files.tables:
-        rows = csv.reader(table.read_text(encoding="utf-8").splitlines())
-        assert not HOLES & {one.strip() for row in rows for one in row}, table.name
+    json.dumps(protocol_data(comparison), allow_nan=False)
+    trials = [csv_text(one) for one in trial_tables(comparison)]
+    for text in (*trials, *(one.read_text(encoding="utf-8") for one in files.tables)):
+        rows = csv.reader(text.splitlines())
+        assert not HOLES & {one.strip() for row in rows for one in row}, text
 
 
 @pytest.mark.parametrize("path", [one for one in STUDIES if load_study(one).chatter], ids=named)
