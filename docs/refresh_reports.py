@@ -14,6 +14,7 @@ from pathlib import Path
 from matplotlib import pyplot
 
 from brunovsky.analysis import coupling_error_plot
+from brunovsky.analysis.coupling.scheme import ORDERS
 from brunovsky.comparison import (
     Comparison,
     analyze_study,
@@ -64,10 +65,7 @@ def draw_coupling(comparison: Comparison) -> None:
     """Coupling error under pole placement over the communication step, with the limits of stability."""
     found = next(one.result for one in comparison.protocols if isinstance(one.result, Coupling))
     stable = [one for one in found.errors["linear"] if one.error < found.large]
-    limits = {
-        f"limit {words}, inputs held": found.limits["linear", scheme, 0]
-        for scheme, words in (("jacobi", "all at once"), ("gauss_seidel", "in sequence"))
-    }
+    limits = {f"limit {words}, inputs held": found.limits["linear", scheme, 0] for scheme, words in ORDERS.items()}
     style = {"svg.hashsalt": "brunovsky", "svg.fonttype": "path", "axes.grid": True, "grid.alpha": 0.35}
     with pyplot.rc_context(style):
         drawn = coupling_error_plot(stable, limits=limits)

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from brunovsky.analysis.coupling.scheme import ORDERS
 from brunovsky.comparison.engines import Outcome
 from brunovsky.comparison.facts import given, number, spread
 from brunovsky.comparison.protocol_section import Cell, Table
@@ -18,7 +19,6 @@ from brunovsky.comparison.study.signals import Array
 POSITION_TOLERANCE = 1e-9  # m; below it two engines agree for every purpose of a study
 HALVED = 0.6  # what first order leaves of an error at half the step, 1/2, with room for higher orders
 _ON_SURFACE = 1e-9  # m/s2; a start this near S = 0 leaves the branch of a sign function to rounding
-ORDERS = {"jacobi": "all at once", "gauss_seidel": "in sequence"}
 _SHOWN = (
     "and the native simulation are made from the same generated equations and the same solver: how near they are "
     "shows whether packaging and driving are right, and says nothing about the model or the integrator."

@@ -20,7 +20,7 @@ from brunovsky.comparison.facts import given, joined, percent, spread
 from brunovsky.comparison.findings_steady import HARDLY, ROUNDING, STILL
 from brunovsky.comparison.metrics import SETTLED
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import both, largest, sensitivity, settled, spread_of, sure_change, told
+from brunovsky.comparison.sensitivity import largest, least, sensitivity, settled, spread_of, sure_change, told
 from brunovsky.comparison.study import Scenario
 
 FAST = 5.0  # m/s; faster than any laboratory robot of this kind
@@ -128,7 +128,7 @@ def chattering(comparison: Comparison, cases: list[Case]) -> Finding | None:
         for b in relays
         if a.name in runs and b.name in runs and is_nominal(runs[b.name]) and not is_regulation(runs[b.name])
     ]
-    rough = {name: [pair for pair in found if _least(pair[1], name) > STILL] for name in _ROUGHNESS}
+    rough = {name: [pair for pair in found if least(pair[1], name) > STILL] for name in _ROUGHNESS}
     if not any(rough.values()):
         return None
     text = f"In the last quarter of runs on the circle ({_runs(len(found))}, without disturbance) there vary each "
@@ -150,12 +150,8 @@ def chattering(comparison: Comparison, cases: list[Case]) -> Finding | None:
     return Finding("confirmed", text)
 
 
-def _least(run: Run, name: str) -> float:
-    return min((one for one in both(run, name) if one is not None), default=0.0)
-
-
 def _is_reduced(layer: Run, relay: Run, name: str) -> bool:
-    return largest(layer, name) <= max(_least(relay, name) / REDUCED, STILL)
+    return largest(layer, name) <= max(least(relay, name) / REDUCED, STILL)
 
 
 def _varies(found: list[tuple[Run, Run]], name: str) -> str:

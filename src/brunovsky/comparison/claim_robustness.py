@@ -14,7 +14,7 @@ from brunovsky.comparison.protocols import MeasuredLoopMargins
 from brunovsky.comparison.protocols.margin_rows import CUTS, MarginRow, value_told
 from brunovsky.comparison.residuals import disturbed, tail_peaks, within_bounds
 from brunovsky.comparison.run import Comparison, Run
-from brunovsky.comparison.sensitivity import both, converged, largest, settled, told
+from brunovsky.comparison.sensitivity import both, converged, largest, least, settled, told
 from brunovsky.comparison.study import Scenario
 
 REJECTED = 10.0  # times less error than under pole placement, from which a disturbance counts as rejected
@@ -68,7 +68,7 @@ def _disturbances(found: list[tuple[Scenario, Run, Run]]) -> _Part:
         peaks = tail_peaks(linear.planned)
         if not disturbed(linear.planned) or not any(peaks.values()):
             continue
-        rejected.append(largest(relay, "rms_tail_error") < max(_least(linear) / REJECTED, ROUNDING))
+        rejected.append(largest(relay, "rms_tail_error") < max(least(linear, "rms_tail_error") / REJECTED, ROUNDING))
         parts.append(f"{scenario.title}: {_residuals(linear, relay)}")
         if peaks["d[1]"] > 0.0 and not rejected[-1]:
             remaining.update(run.planned.parameters["P"] for run in (linear, relay))
@@ -185,10 +185,6 @@ def _margin(rows: Mapping[str, MarginRow]) -> str:
         size = row.measured.reason if row.measured.value is None else value_told(row.measured.value, row.quantity)
         by_value.setdefault(f"{row.bound} {size}".strip(), []).append(f"“{law}”")
     return f"{what} {joined([f'{size} under {joined(laws)}' for size, laws in by_value.items()])}"
-
-
-def _least(run: Run) -> float:
-    return min(one or 0.0 for one in both(run, "rms_tail_error"))
 
 
 def _residuals(linear: Run, relay: Run) -> str:

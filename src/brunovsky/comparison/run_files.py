@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from brunovsky.comparison.agreement import ORDERS
+from brunovsky.analysis.coupling.scheme import ORDERS
 from brunovsky.comparison.engines import Engine, FmuSimulation
 from brunovsky.comparison.facts import given, joined
 from brunovsky.comparison.protocol_section import Table

@@ -113,6 +113,11 @@ def largest(run: Run, name: str) -> float:
     return max(math.inf if one is None else one for one in both(run, name))
 
 
+def least(run: Run, name: str) -> float:
+    """The smaller of a metric or fact and the same at half the step; 0 where one is missing."""
+    return min(0.0 if one is None else one for one in both(run, name))
+
+
 def told(run: Run, name: str, digits: int = 3) -> str:
     """A metric or fact as text, marked and with two digits if it is not converged."""
     value = both(run, name)[0]

@@ -7,6 +7,7 @@ continued by its first m time derivatives; 0 holds it. Both names are those of t
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from math import factorial
 from typing import Any, Literal
@@ -18,6 +19,8 @@ from brunovsky.errors import ParameterError
 
 Scheme = Literal["jacobi", "gauss_seidel"]
 SCHEMES: tuple[Scheme, ...] = ("jacobi", "gauss_seidel")
+ORDERS: Mapping[str, str] = {"jacobi": "all at once", "gauss_seidel": "in sequence"}
+"""The schemes in words."""
 HIGHEST_ORDER = 3
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

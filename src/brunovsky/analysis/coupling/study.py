@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from brunovsky.analysis._drawing import control_plot, line_style, new_axes
-from brunovsky.analysis.coupling.scheme import SCHEMES, Scheme
+from brunovsky.analysis.coupling.scheme import ORDERS, SCHEMES, Scheme
 from brunovsky.analysis.coupling.simulated import coupled_simulation
 from brunovsky.blocks import Diagram
 from brunovsky.errors import ParameterError, SimulationError
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 REFERENCE_TOLERANCE = 1e-11
-TITLES = {"jacobi": "all at once (Jacobi)", "gauss_seidel": "in sequence (Gauss-Seidel)"}
+_NAMES = {"jacobi": "Jacobi", "gauss_seidel": "Gauss-Seidel"}
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ def coupling_error_plot(
         for order in dict.fromkeys(one.order for one in errors):
             rows = [one for one in errors if (one.scheme, one.order) == (scheme, order) and one.error < math.inf]
             if rows:
-                label = f"{TITLES[scheme]}, {_continued(order)}"
+                label = f"{ORDERS[scheme]} ({_NAMES[scheme]}), {_continued(order)}"
                 style = line_style(SCHEMES.index(scheme)) | {"marker": "os^D"[order], "markersize": 4}
                 points = ([1e3 * one.communication_step for one in rows], [one.error for one in rows])
                 drawn += axis.loglog(*points, label=label, fillstyle="none" if order else "full", **style)

@@ -107,7 +107,9 @@ def closed_loop(
         connections=connections,
         inputs=inputs,
         outputs=shown,
-        parameters=_with_one_period(_exported(own, taken | {symbol(one) for one in shown}), "computer" in parts),
+        parameters=_with_one_period(
+            _exported(own, taken | {symbol(one) for one in shown}), sampled="computer" in parts
+        ),
         values=FIGURE_6_OUTSIDE if plant is None else {},
     )
 
@@ -130,7 +132,7 @@ def _exported(names: Mapping[str, Sequence[str]], taken: Collection[sp.Symbol]) 
     return exported
 
 
-def _with_one_period(parameters: Mapping[str, str], computed: bool) -> dict[str, str | Sequence[str]]:
+def _with_one_period(parameters: Mapping[str, str], *, sampled: bool) -> dict[str, str | Sequence[str]]:
     """Periods that are one: of a reference known one sample ahead and its outer loop, of a plant and its computer."""
     found: dict[str, str | Sequence[str]] = dict(parameters)
     names = {behind: name for name, behind in parameters.items()}
@@ -138,6 +140,6 @@ def _with_one_period(parameters: Mapping[str, str], computed: bool) -> dict[str,
     if {ahead, own} <= set(names):
         del found[names[own]]
         found[names[ahead]] = (ahead, own)
-    if computed:
+    if sampled:
         found[names[plant]] = (plant, f"computer.{PERIOD.name}")
     return found

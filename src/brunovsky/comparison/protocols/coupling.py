@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from brunovsky.analysis import CouplingError, measured_order
+from brunovsky.analysis.coupling.scheme import ORDERS
 from brunovsky.comparison.facts import given, joined, number
 from brunovsky.comparison.output import plain
 from brunovsky.comparison.protocols.explanation import COUPLING, Explanation
 from brunovsky.errors import ParameterError
 
-SCHEMES = {"jacobi": "all at once", "gauss_seidel": "in sequence"}
 Key = tuple[str, str, int]
 """Law, scheme, and how many derivatives are exchanged."""
 
@@ -100,7 +100,7 @@ class Coupling:
         return [
             {
                 "law": law,
-                "coupled": SCHEMES[one.scheme],
+                "coupled": ORDERS[one.scheme],
                 "derivatives": one.order,
                 "step, s": one.communication_step,
                 "largest distance, m": one.error if math.isfinite(one.error) else None,
@@ -286,12 +286,12 @@ def coupling_of(
 
 def _column(key: Key) -> str:
     """Heading of a column, with the unit of its errors."""
-    return f"{SCHEMES[key[1]]}, {key[2]} derivative{'s' * (key[2] != 1)}, m"
+    return f"{ORDERS[key[1]]}, {key[2]} derivative{'s' * (key[2] != 1)}, m"
 
 
 def coupling_name(scheme: str, order: int) -> str:
     """A coupling in a sentence."""
-    return f"{SCHEMES[scheme]} with {_continued(order)}"
+    return f"{ORDERS[scheme]} with {_continued(order)}"
 
 
 def _continued(order: int) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from brunovsky.comparison.facts import given, joined
-from brunovsky.comparison.measured_margins import GROWS
-from brunovsky.comparison.metrics import SETTLED, TAIL, instants, position_error
+from brunovsky.comparison.metrics import SETTLED
+from brunovsky.comparison.report.pairs import diverges
 from brunovsky.comparison.run import Comparison, Run
 from brunovsky.comparison.sensitivity import both, told
 
@@ -14,8 +14,7 @@ LISTED = 6  # scenarios, beyond which the rest are counted
 def unsettled(comparison: Comparison) -> list[str]:
     """Sentence that names the laws whose error exceeds 1 cm to the end, scenario by scenario, if there are any.
 
-    Runs that failed are told elsewhere. An error grows if that of the last quarter is the largest since the middle of
-    the run, by more than a tenth.
+    Runs that failed are told elsewhere.
     """
     parts, count = [], 0
     for scenario in comparison.study.scenarios:
@@ -38,13 +37,5 @@ def _never(run: Run) -> bool:
 
 
 def _law(run: Run) -> str:
-    word = ", and grows to the end" if _grows(run) else ""
+    word = ", and grows to the end" if diverges(run) else ""
     return f"“{run.planned.law}” ({told(run, 'rms_tail_error')}\u00a0m{word})"
-
-
-def _grows(run: Run) -> bool:
-    time, error = instants(run.trajectory), position_error(run.trajectory)
-    duration = run.planned.duration
-    third = error[(time >= 0.5 * duration) & (time < TAIL * duration)]
-    last = error[time >= TAIL * duration]
-    return bool(third.size and last.size and last.max() > GROWS * third.max())
