@@ -29,8 +29,11 @@ def step_note(engine: str, *, own: bool = False) -> str:
             f"{MARK.strip()} differs by more than {share} there, by the error of the coupling, the step or both, so "
             "that it is no property of the law alone, and no law is ranked by it."
         )
+    how = "natively at half the step and nothing else changed"
+    if engine == "fmpy":
+        how = "at half the step by the native simulation, which the provenance compares with the FMU at the step itself"
     return (
-        f"Each run was repeated natively at half the step and nothing else changed: a number marked {MARK.strip()} "
+        f"Each run was repeated {how}: a number marked {MARK.strip()} "
         f"changes by more than {share}, so that it is a property of the step too, not of the law alone, and no law is "
         "ranked by it."
     )
