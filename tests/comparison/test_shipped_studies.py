@@ -70,12 +70,7 @@ def named(path: Path) -> str:
     return path.stem
 
 
-LONG = ("sampling",)  # a library has to be compiled for each of its many loops
-
-
-@pytest.mark.parametrize(
-    "path", [pytest.param(one, marks=[pytest.mark.slow] * (one.stem in LONG)) for one in STUDIES], ids=named
-)
+@pytest.mark.parametrize("path", STUDIES, ids=named)
 def test_a_study_is_called_as_its_file_and_its_short_form_has_no_holes(path, tmp_path):
     study = load_study(path)
     assert study.name == path.stem
